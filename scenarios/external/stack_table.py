@@ -32,8 +32,8 @@ def main(folders):
             episodes.setdefault(row["policy"], {})[folder, row["controller"], row["episode"]] = row
         for row in read(folder, "searches"):
             searches.setdefault(row["policy"], []).append(row)
-        for row in read(folder, "search_failures"):
-            if row["fault"] == "true":
+        for row in read(folder, "failures"):
+            if row["fault"] == "true" and row["impact_speed_mps"]:
                 fastest[row["policy"]] = max(fastest.get(row["policy"], 0.0), float(row["impact_speed_mps"]))
     print("| driver | `natural`: faults | hits | `intercept`: faults | hits | braked needlessly | search: starts with a fault | fastest (m/s) |")
     print("|---|--:|--:|--:|--:|--:|--:|--:|")
@@ -42,14 +42,13 @@ def main(folders):
         for controller in ("natural", "intercept"):
             those = [row for (_, name, _), row in rows.items() if name == controller and not row["error"]]
             faults = [row for row in those if row["fault"] == "true"]
-            cells += [share(len(faults), len(those)), str(sum(row["collision"] == "true" for row in those))]
-            fastest[policy] = max([fastest.get(policy, 0.0), *(float(row["impact_speed_mps"]) for row in faults)])
+            cells += [share(len(faults), len(those)), str(sum(row["outcome"] == "collision" for row in those))]
         free = [(row, rows[key]) for key, row in episodes["blind"].items() if key[1] == "natural" and key in rows]
-        free = [pair for pair in free if pair[0]["collision"] == "false" and float(pair[0]["least_gap_m"] or "inf") >= SPARE]
+        free = [pair for pair in free if pair[0]["outcome"] != "collision" and float(pair[0]["least_gap_m"] or "inf") >= SPARE]
         later = sum(float(own["episode_length_s"]) >= float(blind["episode_length_s"]) + LATER for blind, own in free)
         tried = searches.get(policy, [])
         found = share(sum(int(row["fault_starts"]) for row in tried), sum(int(row["starts"]) for row in tried))
-        fast = f"{fastest[policy]:.1f}" if fastest[policy] else "–"
+        fast = f"{fastest[policy]:.1f}" if policy in fastest else "–"
         print(f"| `{policy}` | {' | '.join(cells)} | {share(later, len(free))} | {found} | {fast} |")
 
 

@@ -28,6 +28,7 @@ from staliro.signals import piecewise_constant
 
 SCENARIO = Path(__file__).with_name("requirements.scn")
 GOALS = ["no_collision", "slow_pass", "safe_passing", "no_imminent_risk", "comfort"]
+METHODS = {"kinds": "archive", "plans": "cem", "meet": "intercept"}  # of requirements.scn
 LEGS, SECONDS = 4, 12.0
 RIVALS = {
     "psy-taliro annealing, 25": (DualAnnealing, 25),
@@ -107,8 +108,8 @@ def main(reports):
         for row in runs:
             simulations = int(row["episodes"]) + int(row["left_out_episodes"])
             first = row["first_failure_simulations"]
-            rows.append((row["method"], GOALS[int(row["block"])], row["policy"], seed, int(row["failed_starts"]), int(row["starts"]), simulations, int(first) if first else None))
-        for row in (row for row in runs if row["method"] == "archive"):
+            rows.append((METHODS[row["falsifier"]], GOALS[int(row["block"])], row["policy"], seed, int(row["failed_starts"]), int(row["starts"]), simulations, int(first) if first else None))
+        for row in (row for row in runs if row["falsifier"] == "kinds"):
             goal, policy = GOALS[int(row["block"])], row["policy"]
             budget = int(row["episodes"]) + int(row["left_out_episodes"])
             env = falsify_av.make(str(SCENARIO), "requirements", task="search", block=int(row["block"]), town="harbour", policy=policy, reward="fault", seed=seed)

@@ -54,8 +54,10 @@ def least(values, better):
 def episodes(folder, seed):
     """Rows of the pedestrians of a report."""
     groups = {}
+    speeds = {(row["run_id"], row["number"]): row["impact_speed_mps"] for row in read(folder, "failures") if not row["requirement"]}
     for row in read(folder, "episodes"):
         if not row["error"] and row["left_out"] in ("", "false"):
+            row["impact_speed_mps"] = speeds.get((row["run_id"], row["episode"]))
             groups.setdefault((row["policy"], row["controller"], row["town"]), []).append(row)
     for (policy, controller, town), rows in groups.items():
         yield summary(policy, controller, town, seed, rows)
@@ -64,7 +66,7 @@ def episodes(folder, seed):
 def summary(policy, controller, town, seed, rows):
     faults = [row for row in rows if row["fault"] == "true"]
     early = [row for row in rows if int(row["episode"]) < FIRST]
-    hits = [row for row in rows if row["outcome"] == "collision" and row["collision"] == "true"]
+    hits = [row for row in rows if row["outcome"] == "collision"]
     return {
         "driver": policy,
         "pedestrian": controller,
@@ -86,11 +88,11 @@ def searches(folder, seed):
     faults = {}
     if not (Path(folder) / "searches.csv").exists():
         return
-    for row in read(folder, "search_failures"):
+    for row in read(folder, "failures"):
         if row["fault"] == "true":
-            faults.setdefault((row["policy"], row["town"]), []).append(row)
+            faults.setdefault(row["run_id"], []).append(row)
     for row in read(folder, "searches"):
-        those = faults.get((row["policy"], row["town"]), [])
+        those = faults.get(row["run_id"], [])
         yield {
             "driver": row["policy"],
             "pedestrian": "search",
@@ -119,7 +121,7 @@ def needless(folders):
             counts = found.setdefault(policy, [0, 0])
             for key, own in those.items():
                 free = rows.get("blind", {}).get(key)
-                if free and free["collision"] == "false" and float(free["least_gap_m"] or "inf") >= SPARE:
+                if free and free["outcome"] != "collision" and float(free["least_gap_m"] or "inf") >= SPARE:
                     counts[0] += float(own["episode_length_s"]) >= float(free["episode_length_s"]) + LATER
                     counts[1] += 1
     return found
@@ -132,7 +134,7 @@ def spared(folders):
         hits = {}
         for row in read(folder, "episodes"):
             if not row["error"] and row["left_out"] in ("", "false"):
-                hits.setdefault(row["policy"], {})[row["controller"], row["town"], row["episode"]] = row["collision"] == "true"
+                hits.setdefault(row["policy"], {})[row["controller"], row["town"], row["episode"]] = row["outcome"] == "collision"
         for policy, those in hits.items():
             counts = found.setdefault(policy, [0, 0])
             struck = [key for key, hit in hits["blind"].items() if hit and key in those]
@@ -188,12 +190,12 @@ def guarded(folders):
         pairs = [(found[name.replace("_aeb", "")].get(key), row, key) for key, row in found[name].items()]
         pairs = [pair for pair in pairs if pair[0] is not None]
         cells = []
-        for hit in (lambda row: row["fault"] == "true", lambda row: row["outcome"] == "collision" and row["collision"] == "true"):
+        for hit in (lambda row: row["fault"] == "true", lambda row: row["outcome"] == "collision"):
             cells += [f"{sum(hit(pair[side]) for pair in pairs)} of {len(pairs)}" for side in (0, 1)]
         free = []
         for alone, with_it, key in pairs:
             blind = found["blind"].get(key)
-            if key[1] == "natural" and blind and blind["collision"] == "false" and float(blind["least_gap_m"] or "inf") >= SPARE:
+            if key[1] == "natural" and blind and blind["outcome"] != "collision" and float(blind["least_gap_m"] or "inf") >= SPARE:
                 free.append([float(row["episode_length_s"]) >= float(blind["episode_length_s"]) + LATER for row in (alone, with_it)])
         cells += [f"{sum(pair[side] for pair in free)} of {len(free)}" for side in (0, 1)]
         print(f"| `{name.replace('_aeb', '')}` | {' | '.join(cells)} |")

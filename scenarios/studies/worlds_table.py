@@ -127,12 +127,12 @@ def native(folders):
         for world in worlds:
             own = groups[policy, controller, world]
             fit = [row for row in own if not row["error"] and not row["left_out"]]
-            faults, hits = (sum(row[name] == "true" for row in fit) for name in ("fault", "collision"))
+            faults, hits = (sum(row[name] == value for row in fit) for name, value in (("fault", "true"), ("outcome", "collision")))
             cells += [share(faults, len(fit)), share(hits, len(fit)), str(len(own) - len(fit))]
         print(f"| `{policy}` | `{controller}` | {' | '.join(cells)} |")
     for policy in dict.fromkeys(key[0] for key in groups):
         faults = [row for key, own in groups.items() if key[0] == policy for row in own if row["fault"] == "true" and not row["left_out"]]
-        shortest = min(faults, key=lambda row: int(row["ticks"]), default=None)
+        shortest = min(faults, key=lambda row: float(row["episode_length_s"]), default=None)
         said = f"{shortest['run_id']}:{shortest['episode']}, {float(shortest['episode_length_s']):.2f} s" if shortest else "none"
         print(f"shortest fault of {policy}: {said}")
 

@@ -9,7 +9,7 @@ use base::units::Dimension;
 use compile::SearchKey;
 use world::av::DrivingMode;
 use world::env::Impact;
-use world::judge::{Label, NoVerdict, Sight, ViolationVerdict};
+use world::judge::{Class, Label, NoVerdict, Sight, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
 
@@ -89,8 +89,16 @@ pub struct Failure {
     pub fault: bool,
     /// The side of the car that was hit; `None` without a touch.
     pub impact: Option<Impact>,
-    /// Whether the pedestrian came into sight too late for a careful human.
-    pub occluded: bool,
+    /// Why its touch is a fault or none; `None` without a verdict.
+    pub counts_as: Option<Class>,
+    /// The longest reaction time with which a driver avoids it (s).
+    pub latest_reaction: Option<f64>,
+    /// Time in sight before the touch (s).
+    pub in_sight: Option<f64>,
+    /// Whether the pedestrian was on a crosswalk at the touch.
+    pub on_crosswalk: Option<bool>,
+    /// The marks of its states, as a table has them; empty if they are not known.
+    pub state_hashes: String,
     /// What the driver did at the touch; `None` of a violation in an evaluation.
     pub driving_mode: Option<DrivingMode>,
     /// Speed of the car at the touch (m/s).
@@ -121,8 +129,6 @@ pub struct Violation {
     pub at_collision: bool,
     /// Whether both careful humans satisfy the requirement; `None` without a verdict.
     pub preventable: Option<bool>,
-    /// Why the requirement has no verdict; empty if it has.
-    pub no_verdict: String,
 }
 
 impl Violation {
@@ -136,7 +142,6 @@ impl Violation {
             part: part_of(named, degree).unwrap_or_default().into(),
             at_collision: false,
             preventable: verdict.map(|verdict| verdict.preventable),
-            no_verdict: no_verdict(named).into(),
         }
     }
 
@@ -165,8 +170,12 @@ impl Failure {
             verdict: table.label(row),
             foreseeable: table.is_foreseeable(row),
             fault: table.is_fault(row),
-            impact: Some(Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default())),
-            occluded: is_occluded(table.in_sight(row)),
+            counts_as: table.counts_as(row),
+            latest_reaction: table.latest_reaction(row),
+            in_sight: table.in_sight(row),
+            on_crosswalk: table.on_crosswalk(row),
+            state_hashes: table.state_hashes(row).unwrap_or_default().into(),
+            impact: table.impact(row),
             driving_mode: table.driving_mode(row),
             impact_speed: table.impact_speed(row).unwrap_or_default(),
             length: table.length(row).unwrap_or_default(),
@@ -191,9 +200,14 @@ impl Failure {
         if let Some(violation) = &self.violation {
             return violation.text();
         }
-        let occluded = if self.occluded { "occluded, " } else { "" };
+        let occluded = if self.is_occluded() { "occluded, " } else { "" };
         let mode = self.driving_mode.map_or(String::new(), |mode| mode.name().replace('_', " "));
         format!("{}, {occluded}{mode}", self.impact.map_or("", Impact::name))
+    }
+
+    /// Whether the pedestrian came into sight too late for a careful human.
+    pub fn is_occluded(&self) -> bool {
+        self.in_sight.is_some_and(|seen| Sight { seen }.is_occluded())
     }
 
     /// Whether the pedestrian touched a standing car, which is not a failure, and no requirement is violated.
@@ -313,7 +327,11 @@ impl From<&Find<'_>> for Failure {
             foreseeable: blame.is_some_and(|(foreseeable, _)| foreseeable),
             fault: blame.is_some_and(|(_, fault)| fault),
             impact: Impact::of(outcome),
-            occluded: verdict.is_some_and(|verdict| verdict.sight.is_occluded()),
+            counts_as: verdict.map(|verdict| verdict.class()),
+            latest_reaction: struck.and_then(|verdict| verdict.latest_reaction),
+            in_sight: verdict.map(|verdict| verdict.sight.seen),
+            on_crosswalk: outcome.is_touch().then_some(outcome.on_crosswalk),
+            state_hashes: outcome.state_hashes.to_string(),
             driving_mode: Some(outcome.last_mode),
             impact_speed: outcome.impact_speed().unwrap_or_default(),
             length: find.instant().unwrap_or(outcome.duration),
@@ -341,11 +359,6 @@ pub fn part_of<'a>(named: &'a NamedRequirement, degree: &Degree) -> Option<&'a s
 /// Why violations of a requirement have no verdict; empty if they have.
 pub fn no_verdict(named: &NamedRequirement) -> &'static str {
     NoVerdict::of(&named.requirement).map_or("", NoVerdict::name)
-}
-
-/// Whether a pedestrian that was in sight for this time before the touch (s) came into sight too late for a careful human.
-pub fn is_occluded(in_sight: Option<f64>) -> bool {
-    in_sight.is_some_and(|seen| Sight { seen }.is_occluded())
 }
 
 #[cfg(test)]

@@ -77,7 +77,7 @@ fn repairs_keep_comments_and_leave_other_files_alone() {
 fn a_gate_does_not_pass_for_want_of_a_table() {
     let place = report();
     let (whole, lost) = (place.path().join("out/small"), place.path().join("lost"));
-    for table in ["episodes", "search_failures", "searches"] {
+    for table in ["episodes", "failures", "searches"] {
         let _ = fs::remove_dir_all(&lost);
         copy(&whole, &lost);
         for ending in ["csv", "parquet"] {

@@ -78,7 +78,7 @@ pub fn judge(conditions: &[Condition], [first, second]: [Subject<'_>; 2], whole:
     Ok(code)
 }
 
-/// Reports the rows of which a gate is true, or which it cannot judge; returns whether it fails.
+/// Reports the rows of which a gate is true, or which it cannot judge, or that it passes; returns whether it fails.
 pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
     for (title, judged) in titles.iter().zip(judged) {
         if let Some(reason) = judged.reason(&format!(" in {title}")) {
@@ -86,5 +86,10 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
             tell(&format!("--fail-if {}: {reason}", gate.text()));
         }
     }
-    judged.iter().any(Judged::fails)
+    let fails = judged.iter().any(Judged::fails);
+    let rows = judged.iter().filter(|judged| **judged != Judged::Elsewhere).count();
+    if !fails && rows > 0 {
+        console::note(&format!("--fail-if {}: passes, {} judged", gate.text(), console::count(rows, "row")));
+    }
+    fails
 }

@@ -332,7 +332,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
 
 /// Prints a table for people, how much it leaves out, and how to see the first failure again.
 fn tell(listed: &[ListedFailure], all: usize) {
-    let Some(ListedFailure { report: folder, failure: first, .. }) = listed.first() else {
+    let Some(ListedFailure { report: folder, failure: first, merged, .. }) = listed.first() else {
         return console::say("no failure");
     };
     console::say(report::failures_for_terminal(listed, console::width()).trim_end());
@@ -346,6 +346,9 @@ fn tell(listed: &[ListedFailure], all: usize) {
     }
     if listed.len() < all {
         console::say(&format!("{} of {all} failures; --top N shows more", listed.len()));
+    }
+    if merged.is_some() {
+        console::say("Each is as it was found; `falsify replay NAME --shrunk` shows what it shrinks to.");
     }
     let options = report::StoredReport::open(folder).map_or("", |report| report.manifest().call.replay_options());
     console::say(&format!("falsify replay {options}{}", quoted(&folder.join(first.name()).display().to_string())));

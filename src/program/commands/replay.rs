@@ -35,8 +35,7 @@ Examples:
   falsify replay --all reports/first_look --trainings
                                              all of them, and train every pedestrian again
 
-`falsify failures` lists the names of failures; they are also in episodes.csv (`run_id`, `episode`) and
-search_failures.csv (`run_id`, `failure`).
+`falsify failures` lists the names of failures; they are also in failures.csv (`run_id`, `number`).
 
 Exit codes: 0 it is as in the report   2 no such episode, or a file is missing   3 errors in a scenario
   6 a file cannot be written   8 it differs from the report, or a scenario file has changed";

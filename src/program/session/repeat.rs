@@ -100,13 +100,13 @@ impl Source {
     }
 
     fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
-        let stored = self.report.search_failure(name.run, name.number)?;
+        let stored = self.report.failure(name.run, name.number)?;
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
-        let followed =
-            report::searched(&stored, &BTreeMap::new()).ok().and_then(|mut found| found.pop()).and_then(|failure| {
-                let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
-                Some((repeatable.repeat(&self.seed)?, failure))
-            });
+        let read = report::read_failures(&stored, &BTreeMap::new()).ok();
+        let followed = read.and_then(|mut found| found.pop()).and_then(|failure| {
+            let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
+            Some((repeatable.repeat(&self.seed)?, failure))
+        });
         let Some((seen, failure)) = followed else {
             return Err(Error::Differs(format!(
                 "the commands of {name} do not lead to the end of an episode any more"
@@ -118,11 +118,14 @@ impl Source {
         let again = match FailureCell::of_pair(&pair, outcome.last_mode) {
             Some(cell) => {
                 let (start, ticks, commands) = (failure.start, failure.found_after, failure.commands);
-                // No column that is compared has the number of simulations or the violation.
-                let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation: None, cell };
                 let (id, key, scenario) = (search.origin.id, &search.key, &*search.scenario);
+                let goal = scenario.criterion.requirement();
+                let violation = goal.and_then(|goal| Some(seen.judged.degrees.get(goal)?.degree));
+                // No column that is compared has the number of simulations.
+                let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation, cell };
                 let (number, judged) = (name.number as usize, Some(&seen.judged));
-                report::failure_table().frame(&[Find { id, key, scenario, number, failure: &failure, judged }])
+                let find = Find { id, key, scenario, number, failure: &failure, judged };
+                report::failure_table().frame(&[results::failure::Failure::from(&find)])
             }
             None => Default::default(),
         };

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::episodes::flow;
 use super::{JobResult, Kind, Repeatable, Work, json, result};
 use crate::campaign::{Part, TaskError};
-use crate::report::{Group, failure_table, search_failures, search_section, search_table, searches};
+use crate::report::{Group, search_section, search_table, searches};
 use compile::{Origin, RunId, Search, SearchKey, episodes_seed};
 use world::env::{Criterion, Outcome, Scenario, Trace};
 use world::falsifier::{BudgetedSimulation, Failure, SearchOutcome, evaluate_observed};
@@ -14,10 +14,10 @@ use world::requirement::{Degree, NamedRequirement};
 
 pub(super) const KIND: Kind = Kind {
     doing: ["searching", "searched"],
-    references: || vec![search_table().reference(), failure_table().reference()],
+    references: || vec![search_table().reference()],
     tables: |found| match found.finished.all::<SearchResult>() {
         [] => None,
-        all => Some(vec![("searches", searches(all)), ("search_failures", search_failures(all))]),
+        all => Some(vec![("searches", searches(all))]),
     },
     section: Some((Group::Failures, search_section)),
     ..Kind::new::<Search>("search", "searches", "search")

@@ -5,7 +5,7 @@ use super::{Column, Family, Role};
 pub const RUN_ID: Column<String> = Column::new(
     "run_id",
     "",
-    "short name of the run or of the search: 32 bits of BLAKE3 over its names, the campaign's included, the seed and what the files \
+    "short name of the run or of the search; 32 bits of BLAKE3 over its names, the campaign's included, the seed and what the files \
      and settings say about it. Episode 17 of run `1a2b3c4d` is called `1a2b3c4d:17`",
 );
 pub const REWARD: Column<String> = Column::new(
@@ -17,11 +17,12 @@ pub const TRAIN_TOWN: Column<String> =
     Column::new("train_town", "", "town of the training; empty for untrained pedestrians");
 pub const TRAIN_POLICY: Column<String> =
     Column::new("train_policy", "", "driving policy of the training; empty for untrained pedestrians");
-pub const RUN: Column<u32> = Column::new("run", "", "number of the run, that is of the training, from 0");
+pub const RUN: Column<u32> =
+    Column::new("run", "", "number of the run, from 0; of a trained pedestrian that of its training");
 pub const CONTROLLER: Column<String> = Column::new(
     "controller",
     "",
-    "what controls the pedestrian: `trained` (the mean of its policy), `stochastic` (draws from its policy, as in training), `untrained` \
+    "what controls the pedestrian; `trained` (the mean of its policy), `stochastic` (draws from its policy, as in training), `untrained` \
      (the mean of the policy with which its training begins), `random` (each command uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
      velocity)",
 );
@@ -32,11 +33,17 @@ pub const ADVERSARY: Column<String> = Column::new("adversary", "", "body of the 
 pub const WORLD: Column<String> = Column::new(
     "world",
     "",
-    "simulator in which the car drove: `here` is that of this program, others are the `world` of that name",
+    "simulator in which the car drove; `here` is that of this program, others are the `world` of that name",
 );
 pub const BLOCK: Column<u32> = Column::new("block", "", "number of the `evaluate` block in its campaign, from 0");
 pub const EPISODE: Column<u32> =
     Column::new("episode", "", "number of the episode, from 0; equal numbers of a place have equal starts");
+
+pub const NUMBER: Column<u64> = Column::new(
+    "number",
+    "",
+    "number of the episode, or of the failure in its search, from 0; `RUN_ID:NUMBER` is the name of a failure",
+);
 
 pub const OUTCOME: Column<String> = Column::new(
     "outcome",
@@ -45,22 +52,15 @@ pub const OUTCOME: Column<String> = Column::new(
 );
 pub const ERROR: Column<String> =
     Column::new("error", "", "why the driver, or `the controller`, failed; empty otherwise");
-pub const COLLISION: Column<bool> =
-    Column::new("collision", "", "whether the moving car touched the pedestrian; a bump is none");
 pub const LEFT_OUT: Column<String> = Column::new(
     "left_out",
     "",
-    "why the row is in no rate, comparison, gate or list of failures: `run_up` (the driver did not reach its start in the run-up), `off_road` \
+    "why the row is in no rate, comparison, gate or list of failures; `run_up` (the driver did not reach its start in the run-up), `off_road` \
      (the car left the road before it could see a pedestrian) or `road_end` (the car drove past the end of a lane that leads nowhere); empty for a row that counts",
 );
 pub const FRONT: Column<bool> =
     Column::new("front", "", "whether they touched within the front sector, by the bearing from the car's middle");
 pub const IMPACT_SPEED: Column<f64> = Column::new("impact_speed_mps", "m/s", "speed of the car at the touch");
-pub const IMPACT_BEARING: Column<f64> = Column::new(
-    "impact_bearing_deg",
-    "deg",
-    "bearing of the pedestrian from the car's middle at the touch, positive to the left",
-);
 pub const EPISODE_REWARD: Column<f64> = Column::new("episode_reward", "", "sum of the rewards");
 pub const EPISODE_LENGTH: Column<f64> = Column::new("episode_length_s", "s", "time until the touch or the end");
 pub const TICKS: Column<u32> = Column::new("ticks", "", "simulator ticks");
@@ -77,7 +77,7 @@ pub const MIN_TTC: Column<f64> = Column::new(
 pub const PET: Column<f64> = Column::new(
     "pet_s",
     "s",
-    "post-encroachment time at the ticks, up to two of them too long: the least time between one leaving a place and the other \
+    "post-encroachment time at the ticks, up to two of them too long; the least time between one leaving a place and the other \
      reaching it, over all places that disc and box both sweep; missing without such a place and at a collision",
 );
 pub const DRIVING_MODE: Column<String> =
@@ -87,11 +87,6 @@ pub const EGO_X: Column<f64> = Column::new("ego_x_m", "m", "start of the car, in
 pub const EGO_Y: Column<f64> = Column::new("ego_y_m", "m", EGO_X.doc);
 pub const EGO_YAW: Column<f64> = Column::new("ego_yaw_deg", "deg", "heading of the car at the start");
 pub const EGO_SPEED: Column<f64> = Column::new("ego_speed_mps", "m/s", "speed of the car at the start");
-pub const RUN_UP: Column<u32> = Column::new(
-    "run_up_ticks",
-    "",
-    "ticks for which the driver drove alone before the start; 0 where the scenario sets `ego_speed`",
-);
 pub const PLACED: Column<bool> = Column::new(
     "placed",
     "",
@@ -100,7 +95,7 @@ pub const PLACED: Column<bool> = Column::new(
 pub const LEFT_LANE: Column<f64> = Column::new(
     "left_lane_s",
     "s",
-    "time in which the centre of the car was outside its lane: more than 0.1 m beyond the edge of a driving lane that leads its way; in a junction, of \
+    "time in which the centre of the car was outside its lane; more than 0.1 m beyond the edge of a driving lane that leads its way; in a junction, of \
      all lanes that lead on from the lane by which it came. A lane beside it with the same direction is not another lane",
 );
 pub const LEFT_ROAD: Column<bool> = Column::new(
@@ -122,33 +117,33 @@ pub const DIGEST: Column<String> =
 pub const STATE_HASHES: Column<String> = Column::new(
     "state_hashes",
     "",
-    "of a collision: the number of decisions from mark to mark, a colon, and a byte of the digest at each mark; it shows where a \
+    "of a touch the digest at marks; the number of decisions from mark to mark, a colon, and a byte of the digest at each mark. It shows where a \
      repetition diverges",
 );
 
 pub const VERDICT: Column<String> = Column::new(
     "verdict",
     "",
-    "what the reference drivers say of a collision, see [Was it avoidable?](#was-it-avoidable); this and all columns below are missing \
-     without a collision",
+    "what the reference drivers say of a touch, see [Was it avoidable?](#was-it-avoidable); missing without a touch",
 );
 pub const FORESEEABLE: Column<bool> = Column::new(
     "foreseeable",
     "",
-    "whether the pedestrian moved as people do in the last 3 s before the touch: not faster than 8 km/h unless it kept its velocity, its velocity changed by \
+    "whether the pedestrian moved as people do in the last 3 s before the touch; not faster than 8 km/h unless it kept its velocity, its velocity changed by \
      at most 2.12 m/s² over 0.5 s and by at most 1.65 m/s within any second (Euro NCAP's running adult, and recorded walking). Turning and \
      stopping are acceleration",
 );
 pub const FAULT: Column<bool> = Column::new(
     "fault",
     "",
-    "whether it counts against the driver: both careful humans avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car drove \
-     at 1 m/s or more, whichever side it hit with, and was not walked into at the flank or rear after the front had passed",
+    "whether it counts against the driver; both careful humans avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car drove \
+     at 1 m/s or more, whichever side it hit with, and was not walked into at the flank or rear after the front had passed; of a violation, whether both careful \
+     humans satisfy the requirement from the start of the danger on and the pedestrian moved as people do",
 );
 pub const COUNTS_AS: Column<String> = Column::new(
     "counts_as",
     "",
-    "`fault`, or the first reason why it is none: `bump` (the car stood), `not_preventable`, `unforeseeable`, `flank` (the pedestrian walked \
+    "`fault`, or the first reason why it is none; `bump` (the car stood), `not_preventable`, `unforeseeable`, `flank` (the pedestrian walked \
      into the flank or the rear), `slow` (below 1 m/s), `narrow` (a careful human has less than 0.1 m to spare), `followed` (a car behind runs into that of a careful human who brakes). `runner` is a fault, too: somebody faster than 8 km/h at a steady speed",
 );
 pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
@@ -157,17 +152,10 @@ pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "of a fault the risk of an injury of AIS 4 or more or of death at its speed, which a careful human would have spared the pedestrian; otherwise 0",
 )
 .with_role(Role::Risk);
-pub const WARNING: Column<f64> = Column::new("warning_s", "s", "time from the start of the danger to the touch");
 pub const IN_SIGHT: Column<f64> = Column::new(
     "in_sight_s",
     "s",
     "time in sight without a break before the touch, 3 s at most; before its start, a shorter episode counts as in sight",
-);
-pub const CONTACT_SIDE: Column<String> = Column::new(
-    "contact_side",
-    "",
-    "part of the car that touched the pedestrian, by the place of the pedestrian's middle: `front` of the line of the bumper, `side`, or \
-     `rear`. `front` (a column) is the paper's sector and reaches along the flanks",
 );
 pub const WALKED_INTO: Column<bool> = Column::new(
     "walked_into_car",
@@ -180,13 +168,8 @@ pub const LATEST_REACTION: Column<f64> = Column::new(
     "longest reaction time, counted from the gate, with which a driver who brakes like `cc` avoids the collision, 5 s at most; missing when \
      it hits even without any, and for a bump",
 );
-pub const PREVENTABLE_PROBABILITY: Column<f64> = Column::new(
-    "preventable_probability",
-    "",
-    "share of drivers who react within that time (lognormal, mean 1.21 s, standard deviation 0.63 s), 0 without such a time; missing for a \
-     bump",
-)
-.with_role(Role::Share);
+pub const PREVENTABLE_PROBABILITY: Column<f64> =
+    Column::new("preventable_probability", "", "share of drivers who react within that time").with_role(Role::Share);
 pub const AVOIDS: Family<bool> =
     Family::new("_avoids", "", "whether that reference driver touches no pedestrian while it moves");
 pub const FALSE_BRAKE: Family<bool> = Family::new(

@@ -1,14 +1,15 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEFT_LANE, LEFT_OUT,
-    LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED,
-    POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, WORLD,
+    ADVERSARY, AVOIDABLE_INJURY, AVOIDS, BLOCK, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y,
+    EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT,
+    IMPACT_SPEED, IN_SIGHT, LATEST_REACTION, LEFT_LANE, LEFT_OUT, LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME,
+    PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID,
+    START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WALKED_INTO, WORLD,
 };
-use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
-use world::env::{Ending, LeftOut, Outcome};
-use world::judge::{LaneDeparture, NearMiss, Reference};
+use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference};
+use world::env::{Ending, Impact, LeftOut, Outcome};
+use world::judge::{LaneDeparture, NearMiss, Reference, Verdict};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -44,18 +45,17 @@ pub(super) fn repeated_key(key: &RunKey, rows: usize) -> Vec<Values> {
 
 /// The table of episodes as it is in memory: a row for each, first the key of its run.
 pub fn episode_table() -> Table<'static, EpisodeRow> {
-    let table = Table::new(
-        EPISODES,
-        "One row for each episode. Episodes with equal numbers in one town have equal starts for all controllers and driving policies (equal `start`), so rows can be paired.",
-    );
-    table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
+    Table::new(EPISODES, "").columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
 }
 
-/// The columns of the files of episodes: those of the table but for the reference drivers', which `metrics` sums up.
+/// The columns of the files of episodes. The table has more, which `failures` shows and `metrics` sums up.
 pub fn episode_references() -> TableReference {
-    let mut table = episode_table().reference();
-    let of_drivers = reference_drivers();
-    table.columns.retain(|column| !of_drivers.iter().any(|entry| *entry.reference() == *column));
+    let doc = "One row for each episode. Episodes with equal numbers in one town have equal starts for all controllers and driving policies (equal `start`), so rows can be paired. \
+               `failures` has more of those in which something failed, the manifest block, vehicle and adversary of `run_id`.";
+    let of_manifest = [BLOCK.name, VEHICLE.name, ADVERSARY.name];
+    let mut table =
+        Table::new(EPISODES, doc).columns(run_key(|row: &EpisodeRow| &*row.key)).columns(shown()).reference();
+    table.columns.retain(|column| !of_manifest.contains(&&*column.name));
     table
 }
 
@@ -64,51 +64,66 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
     episode_table().frame(rows)
 }
 
-/// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan has.
-///
-/// A new quantity of an episode is one entry here; [`metrics`](super::metric::metrics) has what runs and cells make of it.
-pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
-    let table = Table::new(EPISODES, "The episodes of one run.");
-    let table =
-        table
-            .column(EPISODE.of(|row: &EpisodeRow| row.episode))
-            .column(OUTCOME.of(|row: &EpisodeRow| ending(&row.judged.outcome.ending)))
-            .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.judged.outcome)))
-            .column(LEFT_OUT.of(|row: &EpisodeRow| row.judged.outcome.left_out.map_or("", LeftOut::name)))
-            .column(COLLISION.of(|row: &EpisodeRow| row.judged.outcome.is_collision()))
-            .column(FRONT.of(|row| hit(row).is_some_and(|hit| hit.front)))
-            .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)))
-            .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
-            .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.judged.outcome.reward))
-            .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.judged.outcome.duration))
-            .column(TICKS.of(|row: &EpisodeRow| row.judged.outcome.ticks))
-            .column(MIN_GAP.of(|row: &EpisodeRow| row.judged.outcome.least_gap))
-            .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.judged.outcome.on_crosswalk)))
-            .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
-            .column(PET.of(|row| near_miss(row).pet))
-            .column(DRIVING_MODE.of(|row: &EpisodeRow| row.judged.outcome.last_mode.name()))
-            .column(EGO_X.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.x))
-            .column(EGO_Y.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.y))
-            .column(EGO_YAW.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.yaw.to_degrees()))
-            .column(EGO_SPEED.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego_speed))
-            .column(RUN_UP.of(|row: &EpisodeRow| row.judged.outcome.run_up))
-            .column(PLACED.of(placed))
-            .column(LEFT_LANE.of(|row| lane(row).map(|lane| lane.left_lane)))
-            .column(LEFT_ROAD.of(|row| lane(row).map(|lane| lane.left_road)))
-            .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.x))
-            .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.y))
-            .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.yaw.to_degrees()))
-            .column(START.of(|row: &EpisodeRow| format!("{:016x}", row.judged.outcome.start)))
-            .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.judged.outcome.digest)))
-            .column(STATE_HASHES.of(|row: &EpisodeRow| {
-                row.judged.outcome.is_touch().then(|| row.judged.outcome.state_hashes.to_string())
-            }));
-    table.columns(verdicts())
+/// The columns that files have, after the key.
+fn shown() -> Vec<Entry<'static, EpisodeRow>> {
+    vec![
+        EPISODE.of(|row: &EpisodeRow| row.episode),
+        OUTCOME.of(|row: &EpisodeRow| ending(&row.judged.outcome.ending)),
+        ERROR.of(|row: &EpisodeRow| why_in_error(&row.judged.outcome)),
+        LEFT_OUT.of(|row: &EpisodeRow| row.judged.outcome.left_out.map_or("", LeftOut::name)),
+        FAULT.of(|row| struck(row).is_some_and(|verdict| verdict.is_fault())),
+        EPISODE_REWARD.of(|row: &EpisodeRow| row.judged.outcome.reward),
+        EPISODE_LENGTH.of(|row: &EpisodeRow| row.judged.outcome.duration),
+        MIN_GAP.of(|row: &EpisodeRow| row.judged.outcome.least_gap),
+        MIN_TTC.of(|row| near_miss(row).min_ttc),
+        PET.of(|row| near_miss(row).pet),
+        LEFT_LANE.of(|row| lane(row).map(|lane| lane.left_lane)),
+        LEFT_ROAD.of(|row| lane(row).map(|lane| lane.left_road)),
+        EGO_X.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.x),
+        EGO_Y.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.y),
+        EGO_YAW.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.yaw.to_degrees()),
+        EGO_SPEED.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego_speed),
+        PEDESTRIAN_X.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.x),
+        PEDESTRIAN_Y.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.y),
+        PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.yaw.to_degrees()),
+        START.of(|row: &EpisodeRow| format!("{:016x}", row.judged.outcome.start)),
+        DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.judged.outcome.digest)),
+    ]
 }
 
-/// The results of the reference drivers: the verdict on a touch, and the false alarms in an episode without one.
-fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
-    verdict_columns(|row: &EpisodeRow| row.judged.verdict).into_iter().chain(reference_drivers()).collect()
+/// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan has.
+///
+/// A new quantity of an episode is one entry here or among those that files have; [`metrics`](super::metric::metrics) has what runs and cells make of it.
+pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
+    let verdict = |row: &EpisodeRow| row.judged.verdict;
+    Table::new(EPISODES, "")
+        .columns(shown())
+        .column(FRONT.of(|row: &EpisodeRow| matches!(row.judged.outcome.ending, Ending::Touch { front: true, .. })))
+        .column(IMPACT.of(|row: &EpisodeRow| Impact::of(&row.judged.outcome).map(Impact::name)))
+        .column(IMPACT_SPEED.of(|row: &EpisodeRow| row.judged.outcome.impact_speed()))
+        .column(TICKS.of(|row: &EpisodeRow| row.judged.outcome.ticks))
+        .column(ON_CROSSWALK.of(|row: &EpisodeRow| touched(row).then_some(row.judged.outcome.on_crosswalk)))
+        .column(DRIVING_MODE.of(|row: &EpisodeRow| row.judged.outcome.last_mode.name()))
+        .column(PLACED.of(placed))
+        .column(STATE_HASHES.of(|row| touched(row).then(|| row.judged.outcome.state_hashes.to_string())))
+        .column(VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())))
+        .column(FORESEEABLE.of(|row| struck(row).map(|verdict| verdict.foreseeable)))
+        .column(COUNTS_AS.of(move |row| verdict(row).map(|verdict| verdict.class().name())))
+        .column(AVOIDABLE_INJURY.of(|row| struck(row).map(|verdict| verdict.avoidable_injury())))
+        .column(LATEST_REACTION.of(|row| struck(row).and_then(|verdict| verdict.latest_reaction)))
+        .column(PREVENTABLE_PROBABILITY.of(|row| struck(row).map(|verdict| verdict.preventable_probability())))
+        .column(WALKED_INTO.of(|row| struck(row).map(|verdict| verdict.walked_into)))
+        .column(IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)))
+        .columns(reference_drivers())
+}
+
+/// The verdict on a collision; `None` of a bump and without a touch.
+fn struck(row: &EpisodeRow) -> Option<Verdict> {
+    row.judged.verdict.filter(|verdict| !verdict.is_bump())
+}
+
+fn touched(row: &EpisodeRow) -> bool {
+    row.judged.outcome.is_touch()
 }
 
 /// What the reference drivers did.
@@ -126,20 +141,6 @@ fn reference_drivers() -> Vec<Entry<'static, EpisodeRow>> {
 /// Whether the driver did not arrive at its start; `None` without a run-up.
 fn placed(row: &EpisodeRow) -> Option<bool> {
     (row.judged.outcome.run_up > 0).then_some(row.judged.outcome.spawn.ego_speed == 0.0)
-}
-
-/// A touch.
-struct Hit {
-    front: bool,
-    speed: f64,
-    bearing: f64,
-}
-
-fn hit(row: &EpisodeRow) -> Option<Hit> {
-    match row.judged.outcome.ending {
-        Ending::Touch { front, impact_speed, bearing, .. } => Some(Hit { front, speed: impact_speed, bearing }),
-        _ => None,
-    }
 }
 
 /// The near-miss figures of an episode; `None` for one in error, whose driver did not reach the end.

@@ -233,12 +233,12 @@ pub const PLACED_STARTS: Count = Count::new(
 pub const ALL_EPISODES: Count = Count::new(
     "all_episodes",
     Which::All,
-    "number of episodes without error: those that count, and those that are left out",
+    "number of episodes without error; those that count, and those that are left out",
 );
 pub const LEFT_OUT_EPISODES: Count = Count::new(
     "left_out_episodes",
     Which::LeftOut,
-    "number of episodes that are left out: the driver did not reach its start, its car left the road before it could see a pedestrian, or it drove past \
+    "number of episodes that are left out; the driver did not reach its start, its car left the road before it could see a pedestrian, or it drove past \
      the end of the road",
 );
 pub const ROAD_END_EPISODES: Count = Count::new(
@@ -249,7 +249,7 @@ pub const ROAD_END_EPISODES: Count = Count::new(
 pub const LEFT_ROAD_EPISODES: Count = Count::new(
     "left_road_episodes",
     Which::TrueOfAll(columns::LEFT_ROAD.name),
-    "number of episodes in which the centre of the car was outside all driving lanes, those that are left out included",
+    "number of episodes in which the centre of the car was outside all driving lanes; those that are left out included",
 );
 /// Number of collisions with a verdict.
 pub const fn labelled(label: Label) -> Count {
@@ -290,15 +290,15 @@ pub const PLACED_RATE: Rate = Rate::new(
     "placed_rate",
     PLACED_STARTS,
     ALL_EPISODES,
-    "starts that the driver did not reach of `all_episodes`: near 1 it never drives to where the encounter is",
+    "their share of `all_episodes`; near 1 it never drives to where the encounter is",
 );
 pub const LEFT_OUT_RATE: Rate =
-    Rate::new("left_out_rate", LEFT_OUT_EPISODES, ALL_EPISODES, "episodes that are left out of `all_episodes`");
+    Rate::new("left_out_rate", LEFT_OUT_EPISODES, ALL_EPISODES, "their share of `all_episodes`");
 pub const LEFT_ROAD_RATE: Rate = Rate::new(
     "left_road_rate",
     LEFT_ROAD_EPISODES,
     ALL_EPISODES,
-    "episodes in which the car left the road of `all_episodes`: near 1 the driver does not follow its route",
+    "their share of `all_episodes`; near 1 the driver does not follow its route",
 );
 pub const LEFT_LANE: Mean = Mean {
     over: Over::All,

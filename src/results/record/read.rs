@@ -3,31 +3,32 @@
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
 use super::columns::{
-    ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT_BEARING, IMPACT_SPEED,
-    IN_SIGHT, LEFT_OUT, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN,
-    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
+    ADVERSARY, AVOIDS, BLOCK, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT, IMPACT_SPEED, IN_SIGHT,
+    LATEST_REACTION, LEFT_OUT, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, POLICY, REWARD, RUN,
+    RUN_ID, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
 };
 use super::episodes::named;
 use super::{CellKey, Family, RunKey};
 use world::av::DrivingMode;
-use world::env::{LeftOut, Spawn};
+use world::env::{Impact, LeftOut, Spawn};
 use world::geometry::Pose;
-use world::judge::{Label, Reference};
+use world::judge::{Class, Label, Reference};
 
 impl CellKey {
-    /// The key in a row of a table.
+    /// The key in a row of a table. Block, vehicle and adversary are empty of the file of a report, whose manifest has them.
     ///
     /// # Errors
     /// A column is missing or holds something else.
     pub fn read(table: &DataFrame, row: usize) -> PolarsResult<Self> {
         let text = |column: &super::Column<String>| column.value(table, row).map(Option::unwrap_or_default);
+        let of_manifest = |column: &super::Column<String>| column.value(table, row).ok().flatten().unwrap_or_default();
         Ok(Self {
-            block: BLOCK.value(table, row)?.unwrap_or_default(),
+            block: BLOCK.value(table, row).ok().flatten().unwrap_or_default(),
             town: text(&TOWN)?,
             policy: text(&POLICY)?,
-            vehicle: text(&VEHICLE)?,
-            adversary: text(&ADVERSARY)?,
+            vehicle: of_manifest(&VEHICLE),
+            adversary: of_manifest(&ADVERSARY),
             world: text(&WORLD)?,
             controller: text(&CONTROLLER)?,
             reward: text(&REWARD)?,
@@ -50,14 +51,16 @@ impl RunKey {
 }
 
 macro_rules! episode_table {
-    ($($field:ident: $array:ty = $column:ident),+ $(,)?) => {
+    ($($field:ident: $array:ty = $column:ident),+; $($inner:ident: $of:ty = $in_memory:ident),+ $(,)?) => {
         /// A table of episodes, read row by row.
         ///
         /// Missing numbers are `None` if the type allows it, else 0.
         #[derive(Debug, Clone, Copy)]
         pub struct EpisodeTable<'a> {
             table: &'a DataFrame,
-            $($field: &'a $array),+
+            $($field: &'a $array,)+
+            /// `None` in the file of a report, which does not have it.
+            $($inner: Option<&'a $of>),+
         }
 
         impl<'a> EpisodeTable<'a> {
@@ -66,7 +69,7 @@ macro_rules! episode_table {
             /// # Errors
             /// A column is missing or holds something else.
             pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
-                Ok(Self { table, $($field: $column.read(table)?),+ })
+                Ok(Self { table, $($field: $column.read(table)?,)+ $($inner: $in_memory.read(table).ok()),+ })
             }
         }
     };
@@ -75,17 +78,11 @@ macro_rules! episode_table {
 episode_table! {
     episode: UInt32Chunked = EPISODE,
     outcome: StringChunked = OUTCOME,
+    fault: BooleanChunked = FAULT,
     error: StringChunked = ERROR,
     left_out: StringChunked = LEFT_OUT,
-    front: BooleanChunked = FRONT,
-    foreseeable: BooleanChunked = FORESEEABLE,
-    fault: BooleanChunked = FAULT,
-    impact_speed: Float64Chunked = IMPACT_SPEED,
-    impact_bearing: Float64Chunked = IMPACT_BEARING,
     reward: Float64Chunked = EPISODE_REWARD,
     length: Float64Chunked = EPISODE_LENGTH,
-    ticks: UInt32Chunked = TICKS,
-    driving_mode: StringChunked = DRIVING_MODE,
     ego_x: Float64Chunked = EGO_X,
     ego_y: Float64Chunked = EGO_Y,
     ego_yaw: Float64Chunked = EGO_YAW,
@@ -93,8 +90,18 @@ episode_table! {
     pedestrian_x: Float64Chunked = PEDESTRIAN_X,
     pedestrian_y: Float64Chunked = PEDESTRIAN_Y,
     pedestrian_yaw: Float64Chunked = PEDESTRIAN_YAW,
-    digest: StringChunked = DIGEST,
+    digest: StringChunked = DIGEST;
+    front: BooleanChunked = FRONT,
+    impact: StringChunked = IMPACT,
+    impact_speed: Float64Chunked = IMPACT_SPEED,
+    ticks: UInt32Chunked = TICKS,
+    on_crosswalk: BooleanChunked = ON_CROSSWALK,
+    driving_mode: StringChunked = DRIVING_MODE,
+    state_hashes: StringChunked = STATE_HASHES,
     verdict: StringChunked = VERDICT,
+    foreseeable: BooleanChunked = FORESEEABLE,
+    counts_as: StringChunked = COUNTS_AS,
+    latest_reaction: Float64Chunked = LATEST_REACTION,
     in_sight: Float64Chunked = IN_SIGHT,
 }
 
@@ -134,12 +141,12 @@ impl<'a> EpisodeTable<'a> {
 
     /// Whether it is a collision or a bump within the front sector.
     pub fn is_front(&self, row: usize) -> bool {
-        self.front.get(row).unwrap_or_default()
+        self.front.and_then(|front| front.get(row)) == Some(true)
     }
 
     /// Whether the pedestrian of a collision moved as people do.
     pub fn is_foreseeable(&self, row: usize) -> bool {
-        self.foreseeable.get(row).unwrap_or_default()
+        self.foreseeable.and_then(|foreseeable| foreseeable.get(row)) == Some(true)
     }
 
     /// Whether it counts against the driver: preventable, with a foreseeable pedestrian.
@@ -149,12 +156,32 @@ impl<'a> EpisodeTable<'a> {
 
     /// Speed of the car at the touch (m/s).
     pub fn impact_speed(&self, row: usize) -> Option<f64> {
-        self.impact_speed.get(row)
+        self.impact_speed?.get(row)
     }
 
-    /// Bearing of the pedestrian at the touch (rad), positive to the left.
-    pub fn impact_bearing(&self, row: usize) -> Option<f64> {
-        self.impact_bearing.get(row).map(f64::to_radians)
+    /// The side of the touch.
+    pub fn impact(&self, row: usize) -> Option<Impact> {
+        Impact::named(self.impact?.get(row)?)
+    }
+
+    /// Whether the pedestrian was on a crosswalk at the touch.
+    pub fn on_crosswalk(&self, row: usize) -> Option<bool> {
+        self.on_crosswalk?.get(row)
+    }
+
+    /// The marks of its states.
+    pub fn state_hashes(&self, row: usize) -> Option<&'a str> {
+        self.state_hashes?.get(row)
+    }
+
+    /// Why a touch counts against the driver, or not.
+    pub fn counts_as(&self, row: usize) -> Option<Class> {
+        Class::named(self.counts_as?.get(row)?)
+    }
+
+    /// The longest reaction time that avoids a collision (s).
+    pub fn latest_reaction(&self, row: usize) -> Option<f64> {
+        self.latest_reaction?.get(row)
     }
 
     /// Sum of the rewards.
@@ -169,12 +196,12 @@ impl<'a> EpisodeTable<'a> {
 
     /// Simulator ticks; `None` if it was not run.
     pub fn ticks(&self, row: usize) -> Option<u32> {
-        self.ticks.get(row)
+        self.ticks?.get(row)
     }
 
     /// The driver's action in the last tick.
     pub fn driving_mode(&self, row: usize) -> Option<DrivingMode> {
-        self.driving_mode.get(row).and_then(DrivingMode::named)
+        DrivingMode::named(self.driving_mode?.get(row)?)
     }
 
     /// Digest, as 16 hexadecimal digits.
@@ -184,12 +211,12 @@ impl<'a> EpisodeTable<'a> {
 
     /// The verdict.
     pub fn label(&self, row: usize) -> Option<Label> {
-        self.verdict.get(row).and_then(Label::named)
+        Label::named(self.verdict?.get(row)?)
     }
 
     /// Time in sight before the touch (s).
     pub fn in_sight(&self, row: usize) -> Option<f64> {
-        self.in_sight.get(row)
+        self.in_sight?.get(row)
     }
 
     /// The rows of collisions that a reference driver avoids; none in the file of a report, which does not have them.

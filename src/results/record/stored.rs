@@ -6,7 +6,7 @@ use std::ops::Range;
 use polars::prelude::{Column as Values, DataFrame, NamedFrom, PlSmallStr, PolarsResult, Scalar, SchemaExtPl, Series};
 use polars_io::parquet::write::ParquetWriter;
 
-use super::columns::{COLLISION, EPISODE, ERROR, FRONT, OUTCOME};
+use super::columns::{EPISODE, ERROR, FAULT, FRONT, OUTCOME};
 use super::degrees::{self, append};
 use super::episodes::{named, outcome_table, repeated_key};
 use super::parquet_reader::read_parquet;
@@ -61,9 +61,7 @@ fn in_error(episodes: Range<u32>, error: &str) -> PolarsResult<DataFrame> {
             known if known == EPISODE.name => Series::new(name, episodes.clone().collect::<Vec<u32>>()).into(),
             known if known == OUTCOME.name => text(name, named::ERROR),
             known if known == ERROR.name => text(name, error),
-            known if [COLLISION.name, FRONT.name].contains(&known) => {
-                Values::new_scalar(name, Scalar::from(false), count)
-            }
+            known if [FAULT.name, FRONT.name].contains(&known) => Values::new_scalar(name, Scalar::from(false), count),
             _ => Values::full_null(name, count, like.dtype()),
         }
     };

@@ -5,19 +5,17 @@ use super::replayed::played_failure;
 use crate::failure::Failure;
 use crate::jobs::{Repeated, SearchResult};
 use crate::parallel;
-use crate::record::columns::RUN_ID;
+use crate::record::columns::{NUMBER, RUN_ID};
 use crate::record::{Column, Table};
 use base::seed::Seed;
 use compile::{Evaluation, RunId};
 use polars::prelude::DataFrame;
 use world::cause::{Need, needs};
 use world::env::Scenario;
-use world::geometry::Pose;
 use world::sim::ActorId;
 
 /// The stem of the files of the table of actors.
 pub const ACTORS: &str = "actors";
-pub const NUMBER: Column<u64> = Column::new("number", "", "number of the episode, or of the failure of a search");
 pub const ROLE: Column<String> =
     Column::new("role", "", "name of the actor in the cast; the members of a group share it");
 pub const NEEDED: Column<bool> = Column::new(
@@ -34,15 +32,13 @@ pub struct CastFailure {
     actors: Vec<RecordedRole>,
 }
 
-/// Where an actor was in a failure.
+/// An actor of a failure.
 #[derive(Debug, Clone)]
 struct RecordedRole {
     run: RunId,
     number: u64,
     actor: ActorId,
     name: String,
-    start: Pose,
-    end: Pose,
     touched: bool,
     needed: Option<bool>,
 }
@@ -58,19 +54,13 @@ impl CastFailure {
         let needs = needs(&repeated.incident()?);
         let touched = judged.outcome.touched();
         let pair = trace.main_pair(scenario);
-        let last = pair.len() - 1;
-        let recorded = scenario.cast.actors().map(|actor| {
-            let recorded = pair.actor(actor);
-            RecordedRole {
-                run: failure.key.id,
-                number: failure.number,
-                actor,
-                name: recorded.name.into(),
-                start: recorded.state(0).0,
-                end: recorded.state(last).0,
-                touched: touched.is_some_and(|(one, other)| one == actor || other == actor),
-                needed: needs.iter().find(|need| need.actor == actor).map(|need| need.is_needed),
-            }
+        let recorded = scenario.cast.actors().map(|actor| RecordedRole {
+            run: failure.key.id,
+            number: failure.number,
+            actor,
+            name: pair.actor(actor).name.into(),
+            touched: touched.is_some_and(|(one, other)| one == actor || other == actor),
+            needed: needs.iter().find(|need| need.actor == actor).map(|need| need.is_needed),
         });
         Some(Self { failure: failure.clone(), actors: recorded.collect(), needs })
     }
@@ -114,10 +104,6 @@ fn actor_table() -> Table<'static, RecordedRole> {
             row.actor.number() as u64
         })
         .column(ROLE.of(|row: &RecordedRole| row.name.clone()))
-        .measure("start_x_m", "m", "place at the start of the episode, in the world frame", |row| row.start.x)
-        .measure("start_y_m", "m", "place at the start of the episode, in the world frame", |row| row.start.y)
-        .measure("end_x_m", "m", "place at its end", |row| row.end.x)
-        .measure("end_y_m", "m", "place at its end", |row| row.end.y)
         .column(
             Column::<bool>::new("touched", "", "whether it is one of the two actors whose touch ended the episode")
                 .of(|row: &RecordedRole| row.touched),

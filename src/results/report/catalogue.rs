@@ -1,5 +1,6 @@
 //! All tables of a report with their columns.
 
+use super::failure_table::failure_table;
 use super::metric_table::metric_table_reference;
 use super::{actors, aggregate, infer};
 use crate::jobs::KINDS;
@@ -11,6 +12,7 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::results_table().reference(),
         metric_table_reference(),
         episode_references(),
+        failure_table().reference(),
         aggregate::requirement_table().reference(),
         infer::comparison_table().reference(),
     ];
@@ -36,9 +38,10 @@ mod tests {
     /// The part of `reports/README.md` that is generated here.
     const MARKS: (&str, &str) = ("<!-- columns: written by a test -->\n", "<!-- end of columns -->\n");
 
-    /// The reference of all columns as Markdown: those that several tables have, once, then a heading and a table for each table.
+    /// The reference of all columns of reports as Markdown: those that several tables have, once, then a heading and a list for each table.
     fn column_reference() -> String {
-        let tables = catalogue();
+        let tables: Vec<TableReference> =
+            catalogue().into_iter().filter(|table| table.name != aggregate::tick_table().name).collect();
         let is_shared = |column: &ColumnReference| {
             let is_same = |other: &ColumnReference| (&other.name, &other.doc) == (&column.name, &column.doc);
             tables.iter().filter(|table| table.columns.iter().any(is_same)).count() > 1
@@ -50,30 +53,28 @@ mod tests {
             }
         }
         let mut text = "### Columns of several tables\n\n".to_owned();
-        list(&mut text, "column", &shared);
+        list(&mut text, &shared);
         for table in &tables {
             let _ = write!(text, "### `{}`\n\n{}\n\n", table.name, table.doc);
             let (common, own): (Vec<_>, Vec<_>) = table.columns.iter().cloned().partition(|column| is_shared(column));
-            if !common.is_empty() {
-                let names: Vec<String> = common.iter().map(|column| format!("`{}`", column.name)).collect();
-                let _ = write!(text, "Of several tables: {}.\n\n", names.join(", "));
-            }
-            list(&mut text, "column", &own);
+            let names: Vec<String> = common.iter().map(|column| format!("`{}`", column.name)).collect();
+            let _ = write!(text, "Of several tables: {}.\n\n", names.join(", "));
+            list(&mut text, &own);
             if table.name == METRICS {
-                list(&mut text, "metric", &metric_references());
+                text.push_str("The metrics:\n\n");
+                list(&mut text, &metric_references());
             }
         }
         text
     }
 
-    /// A table of names with their units and meanings, as far as the first sentence or semicolon: `falsify explain` has all. Consecutive ones of one
-    /// meaning share a row.
-    fn list(text: &mut String, head: &str, all: &[ColumnReference]) {
-        let _ = write!(text, "| {head} | unit | meaning |\n|---|---|---|\n");
-        for group in all.chunk_by(|one, next| (&one.unit, &one.doc) == (&next.unit, &next.doc)) {
+    /// A list of names with their meanings, as far as the first sentence or semicolon: `falsify explain` has all. Consecutive ones of one meaning share
+    /// a line.
+    fn list(text: &mut String, all: &[ColumnReference]) {
+        for group in all.chunk_by(|one, next| one.doc == next.doc) {
             let names: Vec<String> = group.iter().map(|each| format!("`{}`", each.name)).collect();
             let first = group[0].doc.split(". ").flat_map(|sentence| sentence.split("; ")).next().unwrap_or_default();
-            let _ = writeln!(text, "| {} | {} | {first} |", names.join(", "), group[0].unit);
+            let _ = writeln!(text, "- {}: {first}", names.join(", "));
         }
         text.push('\n');
     }

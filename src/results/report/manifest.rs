@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::jobs::work;
+use crate::record::CellKey;
 use compile::{ExternalProgram, Job, Training};
 
 /// All data that are needed to repeat a campaign.
@@ -97,6 +98,14 @@ pub struct RunRecord {
     pub amount: u64,
     /// Digest of what the files and settings say about it, without its training.
     pub fingerprint: String,
+    /// Number of its block in the campaign, from 0.
+    #[serde(default)]
+    pub block: u32,
+    /// The model of the car and the body of the pedestrian of an evaluation; empty of other jobs.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub vehicle: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub adversary: String,
 }
 
 /// A program of the user that drives or walks.
@@ -179,11 +188,15 @@ impl RunRecord {
             true => work.what(),
             false => format!("{} {}", work.kind().verb, work.what()),
         };
+        let CellKey { vehicle, adversary, .. } = job.of().map(CellKey::of).unwrap_or_default();
         Some(Self {
             id: planned.origin().id.to_string(),
             what,
             amount: (0..planned.parts()).map(|part| planned.units(part)).sum(),
             fingerprint: planned.origin().fingerprint.to_string(),
+            block: planned.origin().block,
+            vehicle,
+            adversary,
         })
     }
 }

@@ -21,18 +21,13 @@ pub const TRAININGS_DISAGREE: Column<f64> = Column::new(
      untrained controllers and for a single training",
 );
 
-/// What a number of things is counted of: `n` in the table.
-#[derive(Debug, Clone, Copy)]
-struct Size(&'static str, u64);
-
 /// A metric of a cell.
 #[derive(Debug, Clone)]
 struct Row<'a> {
     key: &'a CellKey,
     metric: ColumnReference,
-    of: Size,
+    of: u64,
     value: Option<f64>,
-    sd: Option<f64>,
     /// The values of the runs that have one, in their order.
     by_run: Vec<f64>,
     ends: Option<(f64, f64)>,
@@ -42,8 +37,8 @@ struct Row<'a> {
 
 impl<'a> Row<'a> {
     /// A value without an interval.
-    fn new(key: &'a CellKey, metric: ColumnReference, of: Size, value: Option<f64>) -> Self {
-        Self { key, metric, of, value, sd: None, by_run: Vec::new(), ends: None, interval: "" }
+    fn new(key: &'a CellKey, metric: ColumnReference, of: u64, value: Option<f64>) -> Self {
+        Self { key, metric, of, value, by_run: Vec::new(), ends: None, interval: "" }
     }
 }
 
@@ -92,7 +87,7 @@ fn of_searches<'a>(searches: &[SearchCell], keys: &'a [CellKey], rows: &mut Vec<
         for (metric, column) in search_metrics() {
             let ends = number(&format!("{}_low", metric.name)).zip(number(&format!("{}_high", metric.name)));
             let interval = if ends.is_some() { "student" } else { "" };
-            let row = Row::new(key, metric, Size("runs", cell.runs as u64), number(&column));
+            let row = Row::new(key, metric, cell.runs as u64, number(&column));
             rows.push(Row { ends, interval, ..row });
         }
     }
@@ -105,12 +100,12 @@ fn of_metric<'a>(
     (cell, found): (&'a Cell, &CellEvidence),
     rows: &mut Vec<Row<'a>>,
 ) {
-    let runs = Size("runs", u64::from(cell.runs));
+    let runs = u64::from(cell.runs);
     let key = &cell.key;
-    let row = |of: Size, value: Option<f64>| Row::new(key, metric.reference(), of, value);
+    let row = |of: u64, value: Option<f64>| Row::new(key, metric.reference(), of, value);
     let average = match measured {
         Measured::Count(count) => {
-            rows.push(row(Size("episodes", u64::from(cell.episodes)), Some(f64::from(*count))));
+            rows.push(row(u64::from(cell.episodes), Some(f64::from(*count))));
             return;
         }
         Measured::Average(average) => average,
@@ -118,10 +113,9 @@ fn of_metric<'a>(
     let across =
         Figure::ALL.into_iter().find(|figure| figure.name() == metric.name()).map(|figure| found.between(figure));
     let student = across.and_then(|across| across.interval).filter(|_| !cell.is_of_cases);
-    let of_runs = Row { sd: average.sd, by_run: average.by_run.clone(), ..row(runs, average.value) };
+    let of_runs = Row { by_run: average.by_run.clone(), ..row(runs, average.value) };
     if let Metric::Rate(rate) = *metric {
-        let of = if rate.whole.name == "collisions" { "collisions" } else { "episodes" };
-        let of = Size(of, u64::from(cell.count(rate.whole)));
+        let of = u64::from(cell.count(rate.whole));
         rows.push(Row { of, ends: average.interval, interval: wilson_of(average.interval), ..of_runs.clone() });
     }
     if student.is_some() {
@@ -139,7 +133,7 @@ fn wilson_of(interval: Option<(f64, f64)>) -> &'static str {
 /// Adds the rows of a requirement.
 fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Row<'a>>) {
     let (applied, all) = found.sums(CellRequirement::APPLIED);
-    let of = Size("episodes", u64::from(all));
+    let of = u64::from(all);
     rows.push(Row::new(&cell.key, applied_metric(&found.name), of, Some(f64::from(applied))));
     for (words, counted, needs_verdict) in OF_VIOLATIONS {
         if needs_verdict && !found.is_judged() {
@@ -148,12 +142,11 @@ fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Ro
         let [count, rate] = violation_metrics(words, &found.name);
         let ((part, all), rate_of_runs) = (found.sums(counted), found.rate(counted));
         let part = found.applied().then_some(f64::from(part));
-        let row = Row::new(&cell.key, count, Size("episodes", u64::from(all)), part);
+        let row = Row::new(&cell.key, count, u64::from(all), part);
         rows.push(row.clone());
         rows.push(Row {
             metric: rate,
             value: rate_of_runs.value,
-            sd: rate_of_runs.sd,
             by_run: rate_of_runs.by_run,
             ends: rate_of_runs.interval,
             interval: wilson_of(rate_of_runs.interval),
@@ -173,7 +166,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
                 "violations",
                 "number of episodes that violate that requirement of the campaign; missing if it never applied",
             ),
-            ("violation_rate", "episodes that violate that requirement of all *episodes*"),
+            ("violation_rate", "their share of all *episodes*"),
         ],
         CellRequirement::ALL,
         false,
@@ -181,7 +174,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
     (
         [
             ("preventable_violations", "number of these that both careful humans avoid"),
-            ("preventable_rate", "episodes with such a violation of all *episodes*"),
+            ("preventable_rate", "their share of all *episodes*"),
         ],
         CellRequirement::PREVENTABLE,
         true,
@@ -189,7 +182,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
     (
         [
             ("fault_violations", "number of these that count against the driver"),
-            ("fault_rate", "episodes with such a violation of all *episodes*"),
+            ("fault_rate", "their share of all *episodes*"),
         ],
         CellRequirement::FAULTS,
         true,
@@ -222,16 +215,16 @@ fn violation_metrics(words: Words, requirement: &str) -> [ColumnReference; 2] {
 
 /// Adds the rows of impact speeds, of the reference drivers, and of what trainings say of each other.
 fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>) {
-    let row = |metric: ColumnReference, of: Size, value: Option<f64>| Row::new(&cell.key, metric, of, value);
+    let row = |metric: ColumnReference, of: u64, value: Option<f64>| Row::new(&cell.key, metric, of, value);
     let (p90, collisions) = found.impact_speed_p90;
-    rows.push(row(IMPACT_SPEED_P90.reference(), Size("collisions", collisions), p90));
+    rows.push(row(IMPACT_SPEED_P90.reference(), collisions, p90));
     let disagree = found.learning.as_ref().and_then(Learning::disagree);
-    let trainings = Size("runs", u64::from(cell.runs));
+    let trainings = u64::from(cell.runs);
     rows.extend(
         disagree.map(|disagree| row(TRAININGS_DISAGREE.reference(), trainings, Some(f64::from(u8::from(disagree))))),
     );
     for (metric, part) in Reference::ALL.into_iter().flat_map(|reference| found.rates_of(reference)) {
-        let of = Size("episodes", found.episodes.count());
+        let of = found.episodes.count();
         let ends = (!cell.is_of_cases).then(|| wilson(part, found.episodes));
         rows.push(Row { ends, interval: wilson_of(ends), ..row(metric, of, part.share_of(&found.episodes)) });
     }
@@ -240,20 +233,18 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
 fn columns<'a>() -> Table<'a, Row<'a>> {
     Table::new(
         METRICS,
-        "One row for each metric of each cell: a pedestrian, a town and a driver, over all runs. `results` has the few that lead the page. Rows of searches \
-         follow: a falsifier, a town and a driver, over all runs, which have different seeds *and* starts.",
+        "One row for each metric of each cell: a pedestrian, a town and a driver, over all runs. Rows of searches follow: a falsifier, a town and a driver, \
+         over all runs, which have different seeds *and* starts.",
     )
     .columns(cell_key(|row: &Row<'a>| row.key))
     .text("metric", "its name, see below", |row| row.metric.name.to_string())
-    .text("of", "what `n` counts: `episodes`, `collisions` or `runs`", |row| row.of.0.to_string())
-    .column(Column::<u64>::new("n", "", "how many of these the value is made of").of(|row: &Row<'a>| row.of.1))
+    .count("n", "how many episodes, collisions or runs the value is made of", |row| row.of)
     .measure(
         "value",
         "as the metric",
         "of a count the sum over runs, of a rate or a mean the mean over runs",
         |row| row.value,
     )
-    .measure("sd", "as the metric", "sample standard deviation over runs; missing for a single one", |row| row.sd)
     .text("by_run", "values of the runs of a rate or a mean, in their order, with a blank between two; those without a value are left out", |row| {
         row.by_run.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
     })
@@ -266,7 +257,7 @@ fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .text(
         "interval",
-        "`wilson`: over the starts, which all runs share; `student`: about further trainings, for four or more runs; \
+        "`wilson` over the starts, which all runs share, or `student` about further trainings, for four or more runs; \
          empty without one",
         |row| row.interval,
     )
@@ -282,7 +273,7 @@ pub fn metric_references() -> Vec<ColumnReference> {
     let mut all: Vec<ColumnReference> = metrics().iter().map(Metric::reference).collect();
     all.push(IMPACT_SPEED_P90.reference());
     all.push(TRAININGS_DISAGREE.reference());
-    all.extend(Reference::ALL.into_iter().flat_map(reference_rates));
+    all.extend((0..2).flat_map(|rate| Reference::ALL.map(|reference| reference_rates(reference)[rate].clone())));
     all.push(applied_metric("REQUIREMENT"));
     all.extend(search_metrics().into_iter().map(|(metric, _)| metric));
     all.extend(OF_VIOLATIONS.into_iter().flat_map(|(words, _, _)| violation_metrics(words, "REQUIREMENT")));

@@ -7,6 +7,7 @@ mod actors;
 mod aggregate;
 mod infer;
 mod failure_change;
+mod failure_table;
 mod compare;
 mod recheck;
 mod distinct;
@@ -38,13 +39,14 @@ mod write;
 pub use actors::CastFailure;
 pub(crate) use aggregate::search_table;
 pub use aggregate::{
-    Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results,
-    failure_table, gather, search_cell_table, search_cells, search_failures, searches, ticks, worst_failure,
+    Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results, gather,
+    search_cell_table, search_cells, searches, ticks, worst_failure,
 };
 pub use catalogue::catalogue;
 pub use caution::Caution;
 pub use distinct::{DistinctFailure, MAX_SHRUNK, first_of_each};
 pub use failure_change::{FailureChange, SideCollision, SideEnd};
+pub use failure_table::{ListedFailure, failure_list, failure_table, read_failures};
 pub use findings::Findings;
 pub use infer::{Doubt, Figure, Learning, Learnt, Reason, Untrained, doubts};
 pub use metric_table::{METRICS, metric_references};
@@ -74,8 +76,7 @@ pub use folder::{
 };
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use read::{
-    Difference, Gate, GateError, Judged, ListedFailure, ReadError, StoredReport, TooFewRuns, differences, divergence,
-    failure_list, requirements_in, searched,
+    Difference, Gate, GateError, Judged, ReadError, StoredReport, TooFewRuns, differences, divergence, requirements_in,
 };
 pub use scenario_files::{MAX_HELD_BYTES, held_places};
 pub use staging::staging_file;

@@ -1,5 +1,5 @@
 use super::Row;
-use crate::record::columns::{POLICY, RUN_ID, TOWN};
+use crate::record::columns::{EGO_SPEED, EPISODE, POLICY, RUN_ID, TOWN};
 use crate::record::{Column, Table};
 use compile::Cover;
 use world::env::StartParameter;
@@ -22,7 +22,6 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     .column(POLICY.of(|row: &Row<'_>| row.0.policy.clone()))
     .column(Column::<String>::new("spawn", "", "spawn rule whose ranges are the box").of(|row: &Row<'_>| row.0.spawn.clone()))
     .column(Column::<String>::new("pedestrian", "", "who walks").of(|row: &Row<'_>| row.0.pedestrian.clone()))
-    .count("block", "number of the `cover` block in its campaign, from 0", |row| u64::from(row.0.origin.block))
     .column(Column::<String>::new("parameters", "", "parameters of the box").of(|row: &Row<'_>| row.0.parameter_names().join(" ")))
     .column(Column::<String>::new("counts", "", "what counts as failed: `fault`, `collision` or the name of a requirement").of(|row: &Row<'_>| row.0.failure_name().to_string()))
     .number("epsilon", "share of the box that is small enough", |row| row.0.epsilon)
@@ -32,17 +31,14 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
          says that it passes; missing without a check",
         |row| row.1.bound(),
     )
-    .column(Column::<bool>::new("covered", "", "whether the bound is at most `epsilon`").of(|row: &Row<'_>| row.1.is_covered(row.0)))
     .count(
         "checked",
         "fresh episodes of the check with the least bound, uniform in the box",
         move |row| look(row, |look| look.points),
     )
     .count("worse", "of these failed where the picture says that they pass", move |row| look(row, |look| look.worse))
-    .count("better", "of these passed where the picture says that they fail", move |row| look(row, |look| look.better))
     .number("shown", "share of the box that the picture shows as failing", |row| row.1.shown)
     .count("episodes", "episodes in all", |row| row.1.coverage.points.len() as u64)
-    .count("failures", "episodes that failed", |row| row.1.coverage.failures())
     .count(
         "unplaced",
         "points of the box for which no place on the road was found; they count as passed",
@@ -70,7 +66,7 @@ pub fn point_columns<'a>() -> Table<'a, Covering<'a>> {
         "One row for each episode of a `cover`, in their order, with its point in the box. Parameters outside the box are missing.",
     )
     .column(RUN_ID.of(|row: &Covering<'_>| row.0.origin.id.to_string()))
-    .column(Column::<u64>::new("episode", "", "number of the episode, from 0").of(|row: &Covering<'_>| row.1))
+    .column(EPISODE.of(|row: &Covering<'_>| row.1 as u32))
     .column(
         Column::<String>::new(
             "sampled",
@@ -83,7 +79,7 @@ pub fn point_columns<'a>() -> Table<'a, Covering<'a>> {
     .column(value("bearing_rad", "rad", "bearing of the pedestrian from the car, positive to the left", StartParameter::Bearing))
     .column(value("distance_m", "m", "distance between the centres", StartParameter::Distance))
     .column(value("heading_rad", "rad", "first heading of the pedestrian from that of the car", StartParameter::Heading))
-    .column(value("ego_speed_mps", "m/s", "speed of the car at the start", StartParameter::EgoSpeed))
+    .column(EGO_SPEED.of(move |row: &Covering<'_>| of(row, StartParameter::EgoSpeed)))
     .column(value("approach", "", "share of its way that a target starts from", StartParameter::Approach))
     .column(value("delay_s", "s", "time for which the pedestrian stands at the start of its path", StartParameter::Delay))
     .column(value("walking_speed_mps", "m/s", "speed of a target", StartParameter::WalkingSpeed))

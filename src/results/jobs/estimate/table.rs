@@ -1,5 +1,5 @@
 use super::Row;
-use crate::record::columns::{POLICY, TOWN};
+use crate::record::columns::{POLICY, RUN, RUN_ID, TOWN};
 use crate::record::{Column, Table};
 use compile::Estimation;
 use world::likelihood::Estimate;
@@ -25,7 +25,7 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
         "One row for each event of each estimate: the probability of the event in an encounter with this pedestrian, from a start that the `spawn` draws, among encounters \
          that count.",
     )
-    .text("estimate", "short name of the estimate", |row| row.job.origin.id.to_string())
+    .column(RUN_ID.of(|row: &Row<'_>| row.job.origin.id.to_string()))
     .column(TOWN.of(|row: &Row<'_>| row.job.town.clone()))
     .column(POLICY.of(|row: &Row<'_>| row.job.policy.clone()))
     .text("pedestrian", "the pedestrian, who walks by itself", |row| row.job.pedestrian.clone())
@@ -34,8 +34,7 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
         "the requirement whose violation is the failure; empty for collisions",
         |row| row.job.requirement.clone(),
     )
-    .count("block", "number of the `estimate` block in its campaign, from 0", |row| u64::from(row.job.origin.block))
-    .count("run", "number of the run, from 0", |row| u64::from(row.job.origin.run))
+    .column(RUN.of(|row: &Row<'_>| row.job.origin.run))
     .text(
         "event",
         "`failure`, `preventable` (a careful human would have avoided it) or `fault` (it counts against the driver)",
@@ -56,7 +55,6 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .count("seen", "encounters in which it was seen", |row| row.likelihood.seen)
     .count("encounters", "encounters that were simulated", |row| row.estimate.encounters)
-    .count("ticks", "simulator ticks that were used", |row| row.estimate.ticks)
     .column(share("counting", "fraction of encounters that count").of(|row: &Row<'_>| row.estimate.counting()))
     .measure(
         "per_hour",

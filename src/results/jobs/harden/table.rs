@@ -1,6 +1,6 @@
 use super::Row;
 use crate::record::Table;
-use crate::record::columns::{POLICY, RUN_ID};
+use crate::record::columns::{POLICY, RUN, RUN_ID};
 use compile::Harden;
 use world::hardening::{Tested, Traffic};
 
@@ -64,8 +64,7 @@ pub fn columns<'a>() -> Table<'a, Changed<'a>> {
     )
     .column(RUN_ID.of(|row: &Changed<'_>| row.job.origin.id.to_string()))
     .column(POLICY.of(|row: &Changed<'_>| row.job.written.name.clone()))
-    .count("block", "number of the `harden` block in its campaign, from 0", |row| u64::from(row.job.origin.block))
-    .count("run", "number of the run, from 0", |row| u64::from(row.job.origin.run))
+    .column(RUN.of(|row: &Changed<'_>| row.job.origin.run))
     .text(
         "about",
         "`key`: a varied key, in SI. `walker`, `falsifier`: starts with a fault in a test with a pedestrian or a \

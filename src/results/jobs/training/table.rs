@@ -28,9 +28,7 @@ pub fn columns<'a>() -> Table<'a, Update<'a>> {
     type Row<'a> = Update<'a>;
     Table::new(
         "learning_curve",
-        "One row for each PPO update of each training. The names in parentheses are those under which stable-baselines3 logs the same. A \
-         number that is infinite or not a number ends a training with the number of the update and the name of the quantity: observation, \
-         action, reward, loss, divergence or gradient.",
+        "One row for each PPO update of each training. The names in parentheses are those of stable-baselines3.",
     )
     .column(REWARD.of(|row: &Row<'_>| row.0.reward.clone()))
     .column(TRAIN_TOWN.of(|row: &Row<'_>| row.0.town.clone()))
@@ -45,12 +43,9 @@ pub fn columns<'a>() -> Table<'a, Update<'a>> {
          without any shaping (`rollout/ep_rew_mean`)",
         |row| row.1.mean_reward,
     )
-    .measure(
-        "mean_length_decisions",
-        "decisions",
-        "mean length of the same episodes (`ep_len_mean`)",
-        |row| row.1.mean_length,
-    )
+    .measure("mean_length_decisions", "decisions", "mean length of the same episodes (`ep_len_mean`)", |row| {
+        row.1.mean_length
+    })
     .number(
         "collision_rate",
         "share of the same episodes that ended in a collision (`rollout/success_rate`); the pedestrian explores: its \
@@ -81,18 +76,5 @@ pub fn columns<'a>() -> Table<'a, Update<'a>> {
         |row| row.1.explained_variance,
     )
     .measure("entropy", "nat", "entropy of the policy (`train/entropy_loss`, negative)", |row| row.1.entropy)
-    .number("policy_loss", "clipped surrogate (`train/policy_gradient_loss`)", |row| row.1.policy_loss)
     .number("value_loss", "mean squared error of the critic (`train/value_loss`)", |row| row.1.value_loss)
-    .number(
-        "gradient_norm",
-        "Euclidean norm of the gradient before it is clipped, mean over the gradient steps",
-        |row| row.1.grad_norm,
-    )
-    .count(
-        "gradient_steps",
-        "minibatches of the update; fewer than planned if `target_kl` ended it (differences of `train/n_updates`)",
-        |row| row.1.gradient_steps,
-    )
-    .number("learning_rate", "learning rate of this update (`train/learning_rate`)", |row| row.1.learning_rate)
-    .measure("action_sd", "as the actions", "mean standard deviation of the actions (`train/std`)", |row| row.1.std)
 }

@@ -6,7 +6,7 @@ use crate::jobs::SearchResult;
 use crate::record::{CellKey, EpisodeTable, RunKey};
 use compile::RunId;
 
-/// Maximum number of failures of a driver that are listed. The tables `episodes` and `search_failures` have all.
+/// Maximum number of failures of a driver that are listed. The table `failures` has all.
 const MAX_PER_DRIVER: usize = 100;
 
 /// The worst failures of each driver, gathered run by run in memory that does not grow with the number of episodes.

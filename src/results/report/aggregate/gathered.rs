@@ -3,11 +3,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use polars::prelude::DataFrame;
 
 use super::protocol::{ProtocolCell, ProtocolRun};
-use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
+use super::requirements::{
+    CellRequirement, REQUIREMENTS, RequirementRow, Violations, add_run, requirement_rows, requirement_table,
+};
 use super::run_totals::{RunRow, RunTotals};
 use super::{Episodes, Failures, Run};
+use crate::failure::Failure;
 use crate::jobs::SearchResult;
 use crate::record::{self, EPISODES, EpisodeTable};
+use crate::report::failure_table::{FAILURES, failure_table};
 use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
 use compile::{ControllerKind, Evaluation};
@@ -48,7 +52,7 @@ pub struct Gathered {
     pub requirements: Vec<CellRequirement>,
 }
 
-/// Reads all episodes once: writes the table `episodes` and gathers the data of all other outputs.
+/// Reads all episodes once: writes the tables `episodes`, `failures` and `requirements`, and gathers the data of all other outputs.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
@@ -65,6 +69,8 @@ pub fn gather(
     let columns: Vec<_> = record::episode_references().columns.into_iter().map(|column| column.name).collect();
     let own = |part: &DataFrame| part.select(columns.iter().map(AsRef::as_ref));
     let mut file = folder.stream(EPISODES, own(&none).map_err(failed)?.schema())?;
+    let failed_table = failure_table();
+    let mut failures = folder.stream(FAILURES, failed_table.frame(&[]).schema())?;
     let required = |evaluation: &Evaluation| !evaluation.scenario.requirements.is_empty();
     let table = requirement_table();
     let mut requirements = match episodes.runs().any(|run| required(run.evaluation)) {
@@ -96,6 +102,11 @@ pub fn gather(
                 degrees = requirement_rows(named, &part, evaluation.scenario.episode.tick).map_err(failed)?;
                 file.add(&table.frame(&degrees))?;
             }
+            let touches = all.rows().filter(|row| all.counts(*row) && all.is_touch(*row));
+            let touches = touches.map(|row| Failure::of_row(&all, row, run.key.clone()));
+            let violated = degrees.iter().filter(|row| row.counts && row.degree.is_violated());
+            let here: Vec<Failure> = touches.chain(violated.map(RequirementRow::failure)).collect();
+            failures.add(&failed_table.frame(&here))?;
             if is_of_cases {
                 part = part.filter(&new.into_iter().collect()).map_err(failed)?;
             }
@@ -134,6 +145,9 @@ pub fn gather(
     }
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
+    let found: Vec<Failure> = searches.iter().flat_map(SearchResult::finds).map(|find| Failure::from(&find)).collect();
+    failures.add(&failed_table.frame(&found))?;
+    failures.finish()?;
     if let Some(file) = requirements {
         file.finish()?;
     }

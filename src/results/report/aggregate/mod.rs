@@ -30,8 +30,7 @@ pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_table};
 pub use published::{PublishedComparison, beside};
 pub use rate::{Method, Rate};
 pub use requirements::{
-    APPLIES, AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
-    REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
+    APPLIES, CellRequirement, Counted, GATED, INSTANT, PART, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT,
     requirement_table,
 };
 pub use results::{RESULTS, results, results_table};
@@ -39,8 +38,7 @@ pub use search_cells::{SearchCell, search_cell_table, search_cells};
 pub use search_comparisons::{SearchComparison, search_comparisons};
 pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
 pub use searches::{
-    BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
-    GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, TRIED, failure_table, search_failures,
-    search_key, search_table, searches,
+    BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, STARTS, TRIED, search_key, search_table,
+    searches,
 };
 pub use ticks::{tick_table, ticks};

@@ -25,8 +25,6 @@ pub struct ProtocolCell {
     pub driven_speed: Option<f64>,
     /// Number of different episodes, or of searches.
     pub episodes: u32,
-    /// Number of episodes that were equal to an earlier one, to the bit: repeating them says nothing.
-    pub repeated: u32,
     /// How many of them the protocol does not pass.
     pub not_passed: u32,
     /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. `None` if no episode ended.
@@ -150,7 +148,6 @@ impl ProtocolCell {
             overlap: case.overlap,
             driven_speed: None,
             episodes: 0,
-            repeated: 0,
             not_passed: 0,
             impact_speed: None,
             failed: false,
@@ -204,8 +201,8 @@ impl<'a> ProtocolRun<'a> {
                 self.cells[case].failed = true;
                 continue;
             }
+            // Repeating an episode to the bit says nothing.
             if !new[row] {
-                self.cells[case].repeated += 1;
                 continue;
             }
             let impact =
@@ -282,10 +279,6 @@ pub fn protocol_table() -> Table<'static, ProtocolCell> {
                 .of(|row: &Row| row.driven_speed),
         )
         .column(Column::<u32>::new("tested", "", "number of different episodes, or of searches; 0 for a case that was not run").of(|row: &Row| row.episodes))
-        .column(
-            Column::<u32>::new("repeated", "", "number of episodes that were equal to one of these, and say nothing more")
-                .of(|row: &Row| row.repeated),
-        )
         .column(Column::<u32>::new("not_passed", "", "how many of these the protocol does not pass").of(|row: &Row| row.not_passed))
         .column(
             Column::<f64>::new(

@@ -9,13 +9,11 @@ use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Tabl
 use base::statistics::{ClusteredCount, wilson};
 use world::judge::{JudgedDegree, NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
-use world::sim::time_of;
 
 /// The stem of the files of the table of requirements.
 pub const REQUIREMENTS: &str = "requirements";
 
 pub const REQUIREMENT: Column<String> = Column::new("requirement", "", "name of the requirement");
-pub const PRIORITY: Column<u32> = Column::new("priority", "", "its rank in the scenario; 1 is the most important");
 pub const VIOLATED: Column<bool> = Column::new("violated", "", "whether the episode violates it");
 pub const APPLIES: Column<bool> = Column::new(
     "applies",
@@ -29,60 +27,21 @@ pub const ROBUSTNESS: Column<f64> = Column::new(
 );
 pub const ROBUSTNESS_UNIT: Column<String> =
     Column::new("unit", "", "unit of the robustness; empty where it is scaled, and of plain numbers");
-pub const SCALED: Column<bool> = Column::new(
-    "scaled",
-    "",
-    "whether its comparisons have different dimensions, so that each is divided by its scale",
-);
 pub const INSTANT: Column<f64> =
     Column::new("instant_s", "s", "time from the start of the episode to the sample that decides");
 pub const PART: Column<String> = Column::new("part", "", "the comparison that decides, as the scenario writes it");
-pub const COUNTS: Column<bool> = Column::new("counts", "", "whether the episode is in rates");
-pub const AT_COLLISION: Column<bool> =
-    Column::new("at_collision", "", "whether that sample is the touch of a collision, which is a failure by itself");
-
-pub const PREVENTABLE: Column<bool> = Column::new(
-    "preventable",
-    "",
-    "of a violation, whether both careful humans satisfy the requirement from the start of the danger on; missing where there is no verdict",
-);
-/// Whether the pedestrian moved as people do.
-pub const VIOLATION_FORESEEABLE: Column<bool> = Column::new(
-    "foreseeable",
-    "",
-    "of a violation, whether the pedestrian moved as people do; missing where there is no verdict",
-);
-/// Whether a violation counts against the driver.
-pub const VIOLATION_FAULT: Column<bool> = Column::new(
-    "fault",
-    "",
-    "of a violation, whether it is both, and where the touch of a collision decides whether the collision is a fault; missing where there is no verdict",
-);
-pub const DANGER: Column<f64> = Column::new(
-    "danger_s",
-    "s",
-    "of a violation, time from the start of the episode to the start of the danger; missing where there is no verdict",
-);
-pub const NO_VERDICT: Column<String> = Column::new(
-    "no_verdict",
-    "",
-    "why the requirement has no verdict: `no_pedestrian` if it says nothing of one, `braking` if it says how hard the car brakes, which careful humans \
-     never do less than the driver; empty if it has",
-);
-
 /// A requirement in an episode.
 pub struct RequirementRow {
     pub key: RunKey,
     pub episode: u32,
     pub degree: Degree,
     pub violation: Violation,
-    pub is_scaled: bool,
     pub instant: f64,
     pub counts: bool,
     /// Whose fault a violation is.
     pub verdict: Option<ViolationVerdict>,
-    /// The time of its danger (s).
-    pub danger: Option<f64>,
+    /// Length of the episode (s).
+    pub length: f64,
 }
 
 impl RequirementRow {
@@ -92,6 +51,7 @@ impl RequirementRow {
             foreseeable: self.verdict.is_some_and(|verdict| verdict.foreseeable),
             fault: self.verdict.is_some_and(|verdict| verdict.fault),
             length: self.instant,
+            episode_length: Some(self.length),
             violation: Some(self.violation.clone()),
             ..Failure::new(self.key.clone(), FoundBy::Evaluation, self.episode.into())
         }
@@ -102,27 +62,18 @@ impl RequirementRow {
 pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     Table::new(
         REQUIREMENTS,
-        "One row for each episode without error and each requirement of the campaign; `episodes` has the episode of `run_id` and `episode`. Campaigns without requirements \
-         do not have it.",
+        "One row for each episode without error and each requirement of the campaign; `episodes` has the episode of `run_id` and `episode`, `failures` more of a violation. Campaigns \
+         without requirements do not have it.",
     )
     .column(RUN_ID.of(|row: &RequirementRow| row.key.id.to_string()))
     .column(EPISODE.of(|row: &RequirementRow| row.episode))
     .column(REQUIREMENT.of(|row: &RequirementRow| row.violation.requirement.clone()))
-    .column(PRIORITY.of(|row: &RequirementRow| row.violation.priority))
     .column(VIOLATED.of(|row: &RequirementRow| row.degree.is_violated()))
     .column(APPLIES.of(|row: &RequirementRow| row.degree.applies))
     .column(ROBUSTNESS.of(|row: &RequirementRow| Signed(Some(row.degree.robustness))))
     .column(ROBUSTNESS_UNIT.of(|row: &RequirementRow| row.violation.unit.clone()))
-    .column(SCALED.of(|row: &RequirementRow| row.is_scaled))
     .column(INSTANT.of(|row: &RequirementRow| row.instant))
     .column(PART.of(|row: &RequirementRow| row.violation.part.clone()))
-    .column(COUNTS.of(|row: &RequirementRow| row.counts))
-    .column(AT_COLLISION.of(|row: &RequirementRow| row.violation.at_collision))
-    .column(PREVENTABLE.of(|row: &RequirementRow| row.violation.preventable))
-    .column(VIOLATION_FORESEEABLE.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.foreseeable)))
-    .column(VIOLATION_FAULT.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.fault)))
-    .column(DANGER.of(|row: &RequirementRow| row.danger))
-    .column(NO_VERDICT.of(|row: &RequirementRow| row.violation.no_verdict.clone()))
 }
 
 /// The rows of a part of the table of episodes, with the length of a tick (s).
@@ -149,11 +100,10 @@ pub fn requirement_rows(
                 episode: table.episode(row),
                 degree,
                 violation: Violation { at_collision, ..Violation::new(named, &degree, verdict) },
-                is_scaled: named.requirement.is_scaled(),
                 instant: degree.instant(tick).min(length),
                 counts: table.counts(row),
                 verdict,
-                danger: verdict.map(|verdict| time_of(verdict.danger as usize, tick)),
+                length,
             });
         }
     }

@@ -38,23 +38,12 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     .column(LEARNT.of(|row: &Row<'_>| row.1));
     let collision = "collisions of all episodes, with Wilson's 95 % interval over starts; bumps do not count";
     table = rate(table, "collision_rate", collision, |cell| &cell.collision);
-    let preventable = "collisions that a careful human would have avoided, of all episodes, as above";
-    table = rate(table, "preventable_rate", preventable, |cell| &cell.preventable);
     let fault = "faults of the driver, of all episodes, as above";
     table = rate(table, "fault_rate", fault, |cell| &cell.fault);
-    table
-        .number("avoidable_injury_per_thousand", "expected severe injuries in faults, for 1,000 episodes", |row| {
-            row.0.injury.value.map(|injury| 1000.0 * injury)
-        })
-        .column(
-            Column::<String>::new(
-                "worst",
-                "",
-                "name of the failure that counts most against the driver, `RUN:EPISODE`",
-            )
+    table.column(
+        Column::<String>::new("worst", "", "name of the failure that counts most against the driver, `RUN:EPISODE`")
             .of(|row: &Row<'_>| row.2.map(Failure::name)),
-        )
-        .measure("worst_speed_mps", "m/s", "speed of the car at its touch", |row| row.2.map(|found| found.impact_speed))
+    )
 }
 
 fn rate<'a>(

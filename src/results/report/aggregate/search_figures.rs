@@ -11,7 +11,6 @@ pub(super) const FAILED_STARTS: &str = "failed_starts";
 pub const FIRST_FAILURE: &str = "first_failure_ticks";
 /// Simulations to the first failure.
 pub(super) const FIRST_SIMULATIONS: &str = "first_failure_simulations";
-pub(super) const PREVENTABLE: &str = "preventable_failures";
 pub(super) const FAULT: &str = "faults";
 pub(super) const FAULT_STARTS: &str = "fault_starts";
 pub(super) const FAULT_START_RATE: &str = "fault_start_rate";
@@ -41,10 +40,7 @@ pub struct Figures {
     /// The avoidable injury of a thousand episodes.
     pub(super) injury: Option<f64>,
     pub(super) evaluated: u64,
-    /// Collisions, or violations of the goal.
-    pub(super) evaluated_failures: usize,
     pub(super) evaluated_faults: usize,
-    pub(super) evaluated_reward: Option<f64>,
 }
 
 impl Figures {
@@ -80,9 +76,7 @@ impl Figures {
         let fault_start_rate = (searched > 0).then(|| fault_starts as f64 / searched as f64);
         let injury: f64 = result.finds().filter_map(|find| Some(find.verdict()?.avoidable_injury())).sum();
         let evaluated: Vec<&Judged> = result.evaluated.iter().filter(|each| each.outcome.counts()).collect();
-        let evaluated_as = |blame| evaluated.iter().filter(|each| each.is(result.criterion(), blame)).count();
-        let number = evaluated.len() as u64;
-        let reward: f64 = evaluated.iter().map(|each| each.outcome.reward).sum();
+        let evaluated_faults = evaluated.iter().filter(|each| each.is(result.criterion(), Blame::Fault)).count();
         Self {
             failures: failures.len(),
             failed_starts: starts(&mut failures.iter()),
@@ -96,10 +90,8 @@ impl Figures {
             fault_start_rate: fault_start_rate.filter(|_| is_judged),
             first_fault: faults().map(|failure| failure.ticks).min(),
             injury: (spent.episodes > 0).then(|| injury * 1000.0 / spent.episodes as f64),
-            evaluated: number,
-            evaluated_failures: evaluated_as(Blame::Any),
-            evaluated_faults: evaluated_as(Blame::Fault),
-            evaluated_reward: (number > 0).then(|| reward / number as f64),
+            evaluated: evaluated.len() as u64,
+            evaluated_faults,
         }
     }
 }

@@ -91,7 +91,9 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         other => other?,
     };
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
-    let violated = [violations(before)?, violations(after)?];
+    let failures = [before.report.failures()?, after.report.failures()?];
+    let collided = failures.each_ref().map(|all| collisions(all));
+    let violated = [violations(before, &failures[0])?, violations(after, &failures[1])?];
     let applied = [before.report.applied_requirements()?, after.report.applied_requirements()?];
     let is_compared = |name: &&String| violated[1].contains_key(*name) && applied.iter().any(|all| all.contains(*name));
     let requirements: Vec<&String> = violated[0].keys().filter(is_compared).collect();
@@ -141,9 +143,9 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                 evaluated.iter().map(|_| keys.map(|key| EvaluatedRun::new(key.clone(), MAX_KEPT))).collect();
             for (row, partner) in &rows {
                 let ends = [(0, *row, first), (1, *partner, second)].map(|(side, row, run)| {
-                    let table = &tables[side];
-                    let name = format!("{}:{}", run.key.id, table.episode(row));
-                    (name, Failure::of_collision(table, row, &run.key))
+                    let name = format!("{}:{}", run.key.id, tables[side].episode(row));
+                    let failure = collided[side].get(&name).copied();
+                    (name, failure)
                 });
                 let start = tables[0].episode(*row);
                 found.differing += u64::from(tables[0].digest(*row) != tables[1].digest(*partner));
@@ -152,7 +154,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                     let of = |side: usize| -> [bool; KINDS] {
                         let (name, failure) = &ends[side];
                         match kind.checked_sub(1) {
-                            None => failure.as_ref().map_or([false; KINDS], events_of),
+                            None => failure.map_or([false; KINDS], events_of),
                             Some(place) => violated[side][requirements[place]].get(name).copied().unwrap_or_default(),
                         }
                     };
@@ -165,7 +167,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                     pool.starts.count(start, &here);
                 }
                 if ends.iter().any(|(_, failure)| failure.is_some()) {
-                    let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure.as_ref()));
+                    let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure));
                     changes.push(FailureChange { place: found.title(), sides });
                 }
             }
@@ -225,19 +227,25 @@ fn events_of(failure: &Failure) -> [bool; KINDS] {
     [true, failure.verdict == Some(Label::Preventable), failure.fault]
 }
 
+/// The collisions of evaluations, by their names.
+fn collisions(failures: &[Failure]) -> BTreeMap<String, &Failure> {
+    let is_collision =
+        |failure: &&Failure| !failure.is_of_search() && failure.violation.is_none() && !failure.is_bump();
+    failures.iter().filter(is_collision).map(|failure| (failure.name(), failure)).collect()
+}
+
 /// Of each requirement of a report the episodes that violate it, `RUN:EPISODE`, with the events that a violation is.
-fn violations(side: Side<'_>) -> Result<BTreeMap<String, BTreeMap<String, [bool; KINDS]>>, ReadError> {
+fn violations(
+    side: Side<'_>,
+    failures: &[Failure],
+) -> Result<BTreeMap<String, BTreeMap<String, [bool; KINDS]>>, ReadError> {
     let requirements = side.report.requirements()?;
     let mut violated: BTreeMap<String, BTreeMap<String, [bool; KINDS]>> =
         requirements.into_iter().map(|name| (name, BTreeMap::new())).collect();
-    if violated.is_empty() {
-        return Ok(violated);
-    }
-    for failure in side.report.failures()?.into_iter().filter(|failure| !failure.is_of_search()) {
-        let name = failure.name();
-        if let Some(violation) = failure.violation {
+    for failure in failures.iter().filter(|failure| !failure.is_of_search()) {
+        if let Some(violation) = &failure.violation {
             let events = [true, violation.preventable == Some(true), failure.fault];
-            violated.entry(violation.requirement).or_default().insert(name, events);
+            violated.entry(violation.requirement.clone()).or_default().insert(failure.name(), events);
         }
     }
     Ok(violated)

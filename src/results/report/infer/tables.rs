@@ -14,22 +14,21 @@ const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of 
 const FIGURE: Column<String> = Column::new(
     "figure",
     "",
-    "`collision_rate`, `preventable_rate` or `fault_rate`, or of searches a column of `searches`: what is compared",
+    "`collision_rate`, `preventable_rate` or `fault_rate`, or of searches a metric: what is compared",
 );
-const VALUE: Column<f64> = Column::new("value", "", "mean over the runs of the cell");
-const OTHER_VALUE: Column<f64> = Column::new("other_value", "", "mean over the runs of the other cell");
-const DIFFERENCE: Column<f64> = Column::new("difference", "", "`value` less `other_value`");
+const DIFFERENCE: Column<f64> =
+    Column::new("difference", "", "mean of the figure over the runs of the cell less that of the other cell");
 const DIFFERENCE_INTERVAL: Interval = Interval::new(
     "difference",
     "",
-    "in 95 % of campaigns the intervals of all rows of its kind hold the truth (Bonferroni). Student's with Welch's degrees of freedom; its variance is \
+    "its interval, which holds the truth for all rows of its kind in 95 % of campaigns (Bonferroni). Student's with Welch's degrees of freedom; its variance is \
      that between the trainings of either cell plus that of the common episodes (at least that of one episode). Exact for one run on each side. \
      Missing if one side alone is a single training, or has two or three runs",
 );
 const P_HOLM: Column<f64> = Column::new(
     "p_holm",
     "",
-    "two-sided p-value, adjusted for all tests of its kind in the table by Holm's method, so that in 95 % of campaigns no finding of its kind \
+    "two-sided p-value, adjusted for all tests of its kind in the table by Holm's method; in 95 % of campaigns no finding of its kind \
      below 0.05 is false; a kind is all rows that compare controllers, or all that compare drivers. Missing without a test, as where neither cell has \
      such a collision",
 );
@@ -37,14 +36,14 @@ const P_HOLM: Column<f64> = Column::new(
 const REST: Family<f64> = Family::new(
     "_collision_rate",
     "",
-    "collisions that the reference driver does not avoid, of all episodes: what remains if it brakes from where the danger began. Episodes without a collision \
+    "collisions that the reference driver does not avoid, of all episodes; what remains if it brakes from where the danger began. Episodes without a collision \
      are not run again, so it never is above `collision_rate`",
 );
 
 const NEEDLESS: Family<f64> = Family::new(
     "_false_brake_rate",
     "",
-    "episodes without a collision in which the reference driver would have braked needlessly, of all episodes: in an approach in which a car that keeps \
+    "episodes without a collision in which the reference driver would have braked needlessly, of all episodes; in an approach in which a car that keeps \
      its pace does not touch the pedestrian either",
 );
 
@@ -57,7 +56,7 @@ pub const IMPACT_SPEED_P90: Column<f64> = Column::new(
 pub const LEARNT: Column<String> = Column::new(
     "learnt",
     "",
-    "whether the trainings of the cell learnt, by the mean reward of an episode: `no` where a training is significantly below an untrained \
+    "whether the trainings of the cell learnt, by the mean reward of an episode; `no` where a training is significantly below an untrained \
      controller with the same reward and starts, `yes` where each training is significantly above one and none is below, else `unclear`. About \
      these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for \
      untrained controllers",
@@ -72,10 +71,8 @@ pub struct ComparedRow {
     first: CellKey,
     second: CellKey,
     figure: &'static str,
-    runs: [u64; 2],
     /// The episodes of the shortest of these runs; `None` of searches.
     episodes: Option<u64>,
-    values: [f64; 2],
     difference: f64,
     interval: Option<(f64, f64)>,
     test: Test,
@@ -84,20 +81,15 @@ pub struct ComparedRow {
 
 impl From<&Comparison> for ComparedRow {
     fn from(found: &Comparison) -> Self {
-        let Comparison { first, second, figure, runs, episodes, values, difference, interval, test, holm, .. } = found;
-        let (first, second, figure, episodes) = (first.clone(), second.clone(), figure.name(), Some(*episodes));
-        let (runs, values, difference) = (*runs, *values, *difference);
         Self {
-            first,
-            second,
-            figure,
-            runs,
-            episodes,
-            values,
-            difference,
-            interval: *interval,
-            test: *test,
-            holm: *holm,
+            first: found.first.clone(),
+            second: found.second.clone(),
+            figure: found.figure.name(),
+            episodes: Some(found.episodes),
+            difference: found.difference,
+            interval: found.interval,
+            test: found.test,
+            holm: found.holm,
         }
     }
 }
@@ -115,9 +107,7 @@ impl From<&SearchComparison> for ComparedRow {
             first: key(&found.one),
             second: key(&found.other),
             figure: found.figure,
-            runs: [found.runs; 2],
             episodes: None,
-            values: found.values,
             difference: found.difference,
             interval: found.interval,
             test: if found.p_holm.is_some() { Test::Student } else { Test::None },
@@ -130,30 +120,23 @@ impl From<&SearchComparison> for ComparedRow {
 pub fn comparison_table() -> Table<'static, ComparedRow> {
     Table::new(
         "comparisons",
-        "One row for each pair of cells with common starts, and figure; both have the same town, vehicle, adversary, world and block. Where `other_policy` is \
-         `policy`, a trained controller less another one: an untrained one (`random`, `homing`, `intercept`) with the same reward, or the same one \
-         trained for an earlier reward. Otherwise a driver less an earlier one, met by the same controller: run by run, so trainings are paired, too. \
-         The two kinds are adjusted separately. Rows of searches follow, which have no `vehicle`: two falsifiers against one driver, or one falsifier against two drivers. \
-         Their runs are pairs, and are about further runs in this town; all rows of a figure that compare falsifiers, or drivers, are adjusted together.",
+        "One row for each pair of cells with common starts, and figure: two controllers against one driver, or, where `other_policy` is not `policy`, two drivers that met the same controller. Both cells \
+         have the same town, vehicle, adversary, world and block. Rows of searches follow, which have no `vehicle`: two falsifiers, or two drivers. Each kind is adjusted on its own.",
     )
     .columns(cell_key(|row: &ComparedRow| &row.first))
     .column(OTHER_CONTROLLER.of(|row: &ComparedRow| row.second.controller.clone()))
     .column(OTHER_POLICY.of(|row: &ComparedRow| row.second.policy.clone()))
     .column(OTHER_REWARD.of(|row: &ComparedRow| row.second.reward.clone()))
     .column(FIGURE.of(|row: &ComparedRow| row.figure))
-    .count("runs", "number of runs of the cell", |row| row.runs[0])
-    .count("other_runs", "number of runs of the other cell", |row| row.runs[1])
     .count("paired_episodes", "episodes of the shortest of these runs; missing of searches", |row| row.episodes)
-    .column(VALUE.of(|row: &ComparedRow| row.values[0]))
-    .column(OTHER_VALUE.of(|row: &ComparedRow| row.values[1]))
     .column(DIFFERENCE.of(|row: &ComparedRow| row.difference))
     .columns(DIFFERENCE_INTERVAL.of(|row: &ComparedRow| row.interval))
     .column(
         Column::<String>::new(
             "test",
             "",
-            "`student` (that one: about further trainings; of searches paired), `mcnemar` (exact, one run on each side: about these two and further episodes; on \
-             the first 100,000), or empty",
+            "`student`, `mcnemar` or empty; `student` is about further trainings, of searches paired, `mcnemar` exact with one run on each side and about these two and further episodes, \
+             on the first 100,000",
         )
         .of(|row: &ComparedRow| row.test.name()),
     )

@@ -8,7 +8,6 @@ mod failures;
 mod searches;
 
 pub use divergence::divergence;
-pub use failures::{ListedFailure, failure_list, searched};
 pub use gate::{Gate, GateError, Judged, TooFewRuns, requirements_in};
 pub use searches::StoredSearch;
 pub use stored::{Difference, ReadError, StoredReport, StoredRun, differences};

@@ -4,18 +4,20 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{DataFrame, DataType, PolarsError, PolarsResult};
+use polars::prelude::{Column, DataFrame, DataType, PolarsError, PolarsResult};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 
 use crate::jobs::pedestrian_file;
-use crate::record::columns::{EPISODE, RUN_ID};
-use crate::record::{EPISODES, RunKey, read_parquet};
-use crate::report::aggregate::{FAILURE, FAILURES, SEARCHES};
+use crate::record::columns::{EPISODE, NUMBER, OUTCOME, RUN_ID};
+use crate::record::episodes::named;
+use crate::record::{CellKey, EPISODES, RunKey, read_parquet};
+use crate::report::aggregate::SEARCHES;
+use crate::report::failure_table::FAILURES;
 use crate::report::folder::{MARK, digest, is_sealed, report_files};
 use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
-use crate::report::{Manifest, ScenarioFile};
+use crate::report::{Manifest, RunRecord, ScenarioFile};
 use base::files;
 use compile::{NoRunId, RunId, TrainingKey};
 use learn::{ActorCritic, CheckpointError};
@@ -223,18 +225,26 @@ impl StoredReport {
         Ok(self.manifest.runs.iter().any(|record| record.id == run.to_string()))
     }
 
-    /// The row of an episode; `None` if the report has no such episode. `guess` is its probable index.
+    /// The row of an episode, with what `failures` has of its touch; `None` if the report has no such episode. `guess` is its probable index.
     ///
     /// # Errors
     /// A table that is damaged.
     pub fn episode(&self, run: RunId, episode: u32, guess: usize) -> Result<Option<DataFrame>, ReadError> {
         let wanted = (run, episode);
-        if let Some(row) = self.rows(EPISODES, guess, 1)?
-            && self.names(EPISODES, &row, EPISODE.name)?.contains(&wanted)
+        let guessed = match self.rows(EPISODES, guess, 1)? {
+            Some(row) if self.names(EPISODES, &row, EPISODE.name)?.contains(&wanted) => Some(row),
+            _ => self.row_of(EPISODES, &self.index()?, wanted)?,
+        };
+        let Some(mut row) = guessed else { return Ok(None) };
+        let outcome = OUTCOME.value(&row, 0).map_err(|source| self.damaged(EPISODES, source))?;
+        if outcome.is_some_and(|outcome| named::is_touch(&outcome))
+            && let Some(failure) = self.failure(run, episode)?
         {
-            return Ok(Some(row));
+            let is_new = |column: &&Column| row.get_column_index(column.name()).is_none();
+            let more: Vec<Column> = failure.columns().iter().filter(is_new).cloned().collect();
+            row.hstack_mut(&more).map_err(|source| self.damaged(FAILURES, source))?;
         }
-        self.row_of(EPISODES, &self.index()?, wanted)
+        Ok(Some(row))
     }
 
     /// The row of this name in a table with these names.
@@ -256,12 +266,12 @@ impl StoredReport {
         self.all_names(EPISODES, EPISODE.name)
     }
 
-    /// The row of a failure that a search found.
+    /// The row of a failure that a search found, or of the touch of an episode.
     ///
     /// # Errors
     /// A table that is damaged.
-    pub fn search_failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
-        self.row_of(FAILURES, &self.search_failures()?, (run, number))
+    pub fn failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
+        self.row_of(FAILURES, &self.all_names(FAILURES, NUMBER.name)?, (run, number))
     }
 
     /// The names of all failures of searches, search and number, in the order of the table.
@@ -269,7 +279,10 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn search_failures(&self) -> Result<Vec<(RunId, u32)>, ReadError> {
-        self.all_names(FAILURES, FAILURE.name)
+        let Some(searches) = self.read(SEARCHES, Some(&[RUN_ID.name]), None)? else { return Ok(Vec::new()) };
+        let searches = self.ids(SEARCHES, &searches)?;
+        let names = self.all_names(FAILURES, NUMBER.name)?;
+        Ok(names.into_iter().filter(|(run, _)| searches.contains(run)).collect())
     }
 
     /// The pedestrian of a training.
@@ -302,7 +315,15 @@ impl StoredReport {
         for (_, first, count) in ids {
             let Some(row) = self.rows(EPISODES, first, 1)? else { continue };
             let failed = |source| ReadError::Table { path: path.clone(), source };
-            runs.push(StoredRun { key: RunKey::read(&row, 0).map_err(failed)?, first, count });
+            let mut key = RunKey::read(&row, 0).map_err(failed)?;
+            let id = key.id.to_string();
+            if let Some(RunRecord { block, vehicle, adversary, .. }) =
+                self.manifest.runs.iter().find(|run| run.id == id)
+            {
+                let (vehicle, adversary) = (vehicle.clone(), adversary.clone());
+                key.cell = CellKey { block: *block, vehicle, adversary, ..key.cell };
+            }
+            runs.push(StoredRun { key, first, count });
         }
         Ok(runs)
     }

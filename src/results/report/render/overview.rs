@@ -138,16 +138,18 @@ fn pooled(overview: &Overview<'_>) -> Vec<Table> {
     tables
 }
 
+type NameOf = fn(&OverviewRow<'_>) -> String;
+
 /// The rates of controllers, those of falsifiers, and the worst failure of each driver; without those that would be empty.
 fn tables(overview: &Overview<'_>) -> Vec<Table> {
     let of = |searched: bool| move |row: &&OverviewRow<'_>| matches!(row.found, Found::Searched(_)) == searched;
     let evaluated: Vec<_> = overview.rows.iter().filter(of(false)).collect();
     let searched: Vec<_> = overview.rows.iter().filter(of(true)).collect();
-    let several = |name: fn(&OverviewRow<'_>) -> String| {
+    let several = |name: NameOf| {
         let first = overview.rows.first().map(name);
         overview.rows.iter().any(|row| Some(name(row)) != first)
     };
-    let parts: [(&str, fn(&OverviewRow<'_>) -> String); 3] = [
+    let parts: [(&str, NameOf); 3] = [
         ("driver", |row| row.driver().to_string()),
         ("town", |row| row.town().to_string()),
         ("world", |row| row.world().to_string()),

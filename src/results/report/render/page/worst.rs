@@ -133,8 +133,7 @@ fn list(listed: &[&Failure], cards: &[String], players: &Players) -> Markup {
             @if players.options().is_some() {
                 code { "falsify replay NAME" } " describes a failure, " code { "falsify export NAME --as animation" } " draws it. "
             }
-            "The tables "
-            code { "episodes" } " and " code { "search_failures" } " have all failures."
+            "The table " code { "failures" } " has all of them."
         }
     }
 }

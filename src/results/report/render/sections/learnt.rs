@@ -56,7 +56,7 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
         id: "learnt",
         name: "Learnt?",
         title: "Did the trainings learn?",
-        depth: Depth::Summary,
+        depth: if doubts.is_empty() { Depth::Page } else { Depth::Summary },
         tables: vec![Table { head: columns, rows, ..Table::default() }],
         notes,
         ..Section::default()
