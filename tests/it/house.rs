@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 8_027),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_945),
+    ("src/results", 25_947),
     ("src/program", 12_358),
-    ("tests", 28_239),
+    ("tests", 28_243),
 ];
 
 /// Crates that only some places may name.

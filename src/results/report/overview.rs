@@ -246,6 +246,7 @@ mod tests {
                 town: "x".into(),
                 controller: controller.into(),
                 reward: "r".into(),
+                world: "there".into(),
                 ..CellKey::default()
             },
             collision: Rate { sd, ..Rate::single(collision) }
@@ -273,6 +274,7 @@ mod tests {
         let table = overview.table().unwrap();
         assert_eq!(table.height(), 4);
         assert_eq!(table.column("weight").unwrap().str().unwrap().get(0), Some("3"));
+        assert_eq!(table.column("world").unwrap().str().unwrap().get(0), Some("there"));
         assert_eq!(table.column("collision_rate_sd").unwrap().f64().unwrap().get(1), None);
     }
 }
