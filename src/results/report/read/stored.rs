@@ -1,8 +1,10 @@
 //! Reads reports back: the data to repeat an episode, and to check that the repetition is equal.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use polars::prelude::{Column, DataFrame, DataType, PolarsError, PolarsResult};
 use polars_io::SerWriter;
@@ -85,6 +87,8 @@ pub enum ReadError {
 pub struct StoredReport {
     folder: PathBuf,
     manifest: Manifest,
+    /// The rows of failures by their names, once they are asked for.
+    failures: OnceLock<BTreeMap<(RunId, u32), usize>>,
 }
 
 /// A run in the table of episodes.
@@ -114,7 +118,7 @@ impl StoredReport {
         let path = folder.join(MARK);
         let text = files::text(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
         let manifest = Manifest::from_toml(&text).map_err(|reason| ReadError::Manifest { path, reason })?;
-        Ok(Self { folder: folder.to_path_buf(), manifest })
+        Ok(Self { folder: folder.to_path_buf(), manifest, failures: OnceLock::new() })
     }
 
     /// The folders with reports under a folder, itself included, in the order of their names.
@@ -233,7 +237,10 @@ impl StoredReport {
         let wanted = (run, episode);
         let guessed = match self.rows(EPISODES, guess, 1)? {
             Some(row) if self.names(EPISODES, &row, EPISODE.name)?.contains(&wanted) => Some(row),
-            _ => self.row_of(EPISODES, &self.index()?, wanted)?,
+            _ => match self.index()?.iter().position(|name| *name == wanted) {
+                Some(row) => self.rows(EPISODES, row, 1)?,
+                None => None,
+            },
         };
         let Some(mut row) = guessed else { return Ok(None) };
         let outcome = OUTCOME.value(&row, 0).map_err(|source| self.damaged(EPISODES, source))?;
@@ -245,17 +252,6 @@ impl StoredReport {
             row.hstack_mut(&more).map_err(|source| self.damaged(FAILURES, source))?;
         }
         Ok(Some(row))
-    }
-
-    /// The row of this name in a table with these names.
-    fn row_of(
-        &self,
-        table: &str,
-        names: &[(RunId, u32)],
-        wanted: (RunId, u32),
-    ) -> Result<Option<DataFrame>, ReadError> {
-        let place = names.iter().position(|name| *name == wanted);
-        place.map_or(Ok(None), |place| self.rows(table, place, 1))
     }
 
     /// The names of all episodes, run and number, in the order of the table.
@@ -271,7 +267,13 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
-        self.row_of(FAILURES, &self.all_names(FAILURES, NUMBER.name)?, (run, number))
+        if self.failures.get().is_none() {
+            // A violation comes after the touch of its episode.
+            let names = self.all_names(FAILURES, NUMBER.name)?.into_iter().enumerate();
+            let _ = self.failures.set(names.rev().map(|(row, name)| (name, row)).collect());
+        }
+        let row = self.failures.get().and_then(|rows| rows.get(&(run, number)));
+        row.map_or(Ok(None), |row| self.rows(FAILURES, *row, 1))
     }
 
     /// The names of all failures of searches, search and number, in the order of the table.
