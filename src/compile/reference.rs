@@ -1,20 +1,20 @@
 //! What the language offers as Markdown, each thing rendered in one place: the language reference, `falsify explain` and editors show it.
 
 use std::collections::BTreeSet;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 use super::Catalog;
-use base::signature::{Event, Form, Param, Signature, Variable};
+use base::signature::{Event, Form, Param, Signature, Type, Variable};
 
 impl Catalog {
-    /// The part of the language reference that lists forms, kinds, keys, events and variables, as Markdown. Of a key it has the first sentence, and
-    /// once in a form; `falsify explain` has all.
+    /// The part of the language reference that lists forms, kinds, keys, events and variables, as Markdown. Of a key it has the default and the first
+    /// sentence, once in a form; `falsify explain` has units, bounds and the rest.
     pub fn reference(&self) -> String {
         let mut page = String::new();
         for each in &self.forms {
             let mut said = BTreeSet::new();
             let mut once = |param: &Param| {
-                let line = format!("- {}. {}.\n", short_key(param), first_sentence(param.doc));
+                let line = format!("- {}: {}.\n", listed_key(param), first_sentence(param.doc));
                 said.insert(line.clone()).then_some(line)
             };
             let _ = writeln!(page, "## `{}`\n\n{}\n", each.name, each.doc);
@@ -24,7 +24,14 @@ impl Catalog {
             }
         }
         page.push_str("## Events\n\n`on event => formula` inside a `reward`.\n\n");
-        page.extend(self.vocabulary.events.iter().filter(|each| each.answered).map(event));
+        let events: Vec<&Event> = self.vocabulary.events.iter().filter(|each| each.answered).collect();
+        for each in &events {
+            let all = &events[0].variables;
+            let missing: Vec<_> = all.iter().filter(|name| !each.variables.contains(name)).collect();
+            let is_part = !missing.is_empty() && each.variables.iter().all(|name| all.contains(name));
+            let rest = || format!("those of `{}` but {}", events[0].name, quoted(&missing));
+            page.push_str(&event_with(each, &if is_part { rest() } else { quoted(&each.variables) }));
+        }
         page.push_str("\n## Variables\n\n");
         page.extend(self.vocabulary.variables.iter().map(variable));
         page.push_str("\n## Signals of roles\n\nIn a requirement: `child.gap`, towards the car under test; `gap(child, van)`, towards another role.\n\n");
@@ -106,12 +113,33 @@ pub fn short_key(param: &Param) -> String {
     format!("`{}`: {}; {default}", param.name, param.ty.describe_bounded())
 }
 
+/// A key with its words or its default; without one, what is to be written.
+fn listed_key(param: &Param) -> String {
+    let name = param.name;
+    match (&param.ty, param.default) {
+        (Type::Choice(words) | Type::Step(words), Some(default)) if !default.is_empty() => {
+            let others = words.iter().filter(|word| **word != default).map(|word| format!(" or `{word}`"));
+            format!("`{name}` = `{default}`{}", others.collect::<String>())
+        }
+        (ty, None) => format!("`{name}` (required, {})", ty.describe()),
+        (ty, Some("")) => format!("`{name}` ({})", ty.describe()),
+        (_, Some(default)) => format!("`{name}` = `{default}`"),
+    }
+}
+
 pub(super) fn event(event: &Event) -> String {
+    event_with(event, &quoted(&event.variables))
+}
+
+fn quoted(words: &[impl Display]) -> String {
+    words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn event_with(event: &Event, variables: &str) -> String {
     let head = if event.answered { "on " } else { "" };
     let only = if event.answered { "" } else { " Only for conditions." };
-    let quoted = |words: &[&str]| words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
     let words = if event.words.is_empty() { String::new() } else { format!(" Words: {}.", quoted(event.words)) };
-    format!("- `{head}{}`: {}{only}{words} Variables: {}.\n", event.name, event.doc, quoted(&event.variables))
+    format!("- `{head}{}`: {}{only}{words} Variables: {variables}.\n", event.name, event.doc)
 }
 
 pub(super) fn variable(variable: &Variable) -> String {

@@ -38,6 +38,14 @@ static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 /// The number of children that were started, to tell them apart.
 static STARTED: AtomicU64 = AtomicU64::new(0);
 
+/// How often a child ended before it answered, or did not answer in time.
+static FAILURES: AtomicU64 = AtomicU64::new(0);
+
+/// How often a program ended before it answered, or did not answer in time.
+pub fn failures() -> u64 {
+    FAILURES.load(Ordering::Relaxed)
+}
+
 /// Ends all children at once, with all processes that they have started.
 pub fn end_all() {
     let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -173,15 +181,15 @@ fn never_block(pipe: BorrowedFd<'_>) -> io::Result<()> {
 
 impl Link for Child {
     fn send(&mut self, message: &[u8], limit: f64) -> Result<(), Fault> {
-        self.write(message, limit).map_err(|fault| self.with_exit(fault))
+        self.write(message, limit).map_err(|fault| self.counted(fault))
     }
 
     fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
-        self.read_line(line, longest).map_err(|fault| self.with_exit(fault))
+        self.read_line(line, longest).map_err(|fault| self.counted(fault))
     }
 
     fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
-        self.fill(bytes).map_err(|fault| self.with_exit(fault))
+        self.fill(bytes).map_err(|fault| self.counted(fault))
     }
 
     fn note(&self, text: &str) {
@@ -190,6 +198,13 @@ impl Link for Child {
 }
 
 impl Child {
+    fn counted(&self, fault: Fault) -> Fault {
+        if matches!(fault, Fault::Ended(_) | Fault::Late { .. }) {
+            FAILURES.fetch_add(1, Ordering::Relaxed);
+        }
+        self.with_exit(fault)
+    }
+
     /// A fault, with the exit code or the signal if it is that the child has ended.
     #[cfg(target_os = "linux")]
     fn with_exit(&self, fault: Fault) -> Fault {

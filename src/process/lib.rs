@@ -20,7 +20,7 @@ mod stopping;
 mod trial;
 
 #[cfg(unix)]
-pub use child::end_all;
+pub use child::{end_all, failures};
 #[cfg(unix)]
 pub use limits::refusal;
 pub use opener::ProcessOpener;
@@ -31,6 +31,12 @@ pub use trial::{limit_trial, trial};
 #[cfg(not(unix))]
 /// Ends all children at once; there are none on this system.
 pub fn end_all() {}
+
+#[cfg(not(unix))]
+/// No program runs on this system, so none fails.
+pub fn failures() -> u64 {
+    0
+}
 
 #[cfg(not(unix))]
 /// No program runs on this system, so none is waited for.

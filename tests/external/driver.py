@@ -95,6 +95,8 @@ if binary:
 else:
     for line in sys.stdin.buffer:
         actions = []
+        if mode == "crowded" and len(json.loads(line)["worlds"]) > 1:
+            os._exit(3)
         for world in json.loads(line)["worlds"]:
             throttle, brake, steer = control(
                 world["id"], world["tick"], world.get("seed"), world["ego"]["x"], world["ego"]["speed"], world["speed_limit"]

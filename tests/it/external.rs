@@ -264,6 +264,19 @@ fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_
 }
 
 #[test]
+fn a_driver_that_ends_only_while_several_episodes_run_is_named() {
+    if python().is_none() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let command = format!("python3 {} crowded", folder("tests/external/driver.py").display());
+    std::fs::write(place.path().join("crowded.scn"), text(&command, "timeout: 60 s")).unwrap();
+    let output = falsify(&["run", "--allow-external", "--threads", "1", "crowded.scn"], place.path());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(said(&output).contains("warning: programs ended, or were late, once"), "{}", said(&output));
+}
+
+#[test]
 fn av_check_tells_good_drivers_from_bad_ones() {
     if python().is_none() {
         return;

@@ -58,6 +58,47 @@ fn a_recorded_touch_has_a_verdict() {
     );
 }
 
+/// Euro NCAP's running adult: 8 km/h within 1.5 m, which are the bounds of a foreseeable pedestrian. Its positions deviate by up to `noise` (m).
+fn runs_into_the_way(noise: f64, dt: f64) -> String {
+    let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
+    let (speed, car) = (8.0 / 3.6, 13.9);
+    let acceleration = speed * speed / 3.0;
+    let gains = speed / acceleration;
+    let begins = 6.0 - gains - 4.5 / speed;
+    for instant in 0..(6.5 / dt) as u32 {
+        let time = f64::from(instant) * dt;
+        let since = (time - begins).max(0.0);
+        let gained = since.min(gains);
+        let way = acceleration * gained * gained / 2.0 + speed * (since - gained);
+        let deviates = |by: f64| noise * (2.0 * (libm::sin(f64::from(instant) * by) * 43758.5).rem_euclid(1.0) - 1.0);
+        let (x, y) = (2.4 + deviates(78.2), way - 6.0 + deviates(12.9));
+        let _ = writeln!(text, "{time:.4},{x},{y},{},0,0,{car}", car * (time - 6.0));
+    }
+    text
+}
+
+#[test]
+fn a_car_that_reverses_touches_with_its_rear() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
+    for instant in 0..100 {
+        let time = f64::from(instant) * 0.05;
+        let _ = writeln!(text, "{time:.2},-10,0,{},0,0,-3", -3.0 * time);
+    }
+    assert_eq!(judged(folder.path(), &text, &[])["side"], "rear");
+}
+
+#[test]
+fn noise_makes_no_runner_of_the_fastest_pedestrian() {
+    let folder = tempfile::tempdir().unwrap();
+    for dt in [0.05, 0.1] {
+        for noise in [0.0, 1e-6, 1e-3, 0.01, 0.03] {
+            let found = judged(folder.path(), &runs_into_the_way(noise, dt), &[]);
+            assert_eq!(found["counts_as"], "fault", "{noise} m every {dt} s: {found}");
+        }
+    }
+}
+
 #[test]
 fn a_recording_that_begins_too_late_says_so() {
     let folder = tempfile::tempdir().unwrap();

@@ -49,7 +49,7 @@ fn the_worked_traces_of_the_book_are_true() {
         let formula = formula.trim_matches('`').replace('x', "ahead");
         let plan = plan(&format!("requirement worked = {formula}"), "worked", "idm");
         let requirement = &plan.campaigns[0].requirements[0].requirement;
-        let mut trace = Trace::new(requirement, 8);
+        let mut trace = Trace::new(requirement, 8, &|_| false);
         for sample in samples.split(", ") {
             let value: f64 = sample.parse().unwrap();
             trace.push(requirement, &|id| if id == x { value } else { f64::NAN });
@@ -81,7 +81,7 @@ fn a_requirement_applies_where_one_of_its_parts_says_something() {
     ] {
         let plan = plan(&format!("requirement asked = {formula}"), "asked", "idm");
         let requirement = &plan.campaigns[0].requirements[0].requirement;
-        let mut trace = Trace::new(requirement, 8);
+        let mut trace = Trace::new(requirement, 8, &|_| false);
         for sample in samples {
             trace.push(requirement, &|id| if id == x { sample } else { f64::NAN });
         }
@@ -465,6 +465,39 @@ fn drivers_that_yield_at_crosswalks_satisfy_the_requirement() {
     }
     assert_eq!((of("polite", "yields_at_crosswalk"), of("rude", "yields_at_crosswalk")), (0, 1), "{found:?}");
     assert_eq!(of("rude", "apart"), 1, "it drives onto the crosswalk: {found:?}");
+}
+
+#[test]
+fn a_comparison_has_no_rate_of_a_requirement_that_never_applied() {
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport model3 from \"std/drivers.scn\"\n\
+        town plain { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h } }\n\
+        town marked { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h }  crosswalk { at: (100 m, 0 m) } }\n\
+        policy rude = cruise()\n\
+        requirement apart = always(crosswalk_distance < 50 m implies crosswalk_distance > 0 m)\n\
+        spawn path = given_path { ego_poses: [(55 m, -1.75 m, 0 deg)]  ego_speed: 9 m/s  through: [(100 m, -4.5 m), (100 m, 6 m)]  speeds: [1.4 m/s] }\n\
+        episode long { ticks: 240  hold: 20 }\n\
+        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: path  episode: long\n  requirements: [apart]\n\
+        evaluate { towns: [plain, marked]  policies: [rude]  pedestrians: [scripted]  episodes: 1 }\n}\n";
+    let session = Session::default().with_reader(move |path: &Path| match path.to_str() {
+        Some("my.scn") => Ok(text.to_string()),
+        _ => std::fs::read_to_string(path),
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let options = RunOptions {
+        input: Input::file("my.scn"),
+        out: folder.path().to_path_buf(),
+        threads: 1,
+        ..RunOptions::default()
+    };
+    let report = session.run(&options).unwrap().reports().next().unwrap().folder.clone();
+    let stored = StoredReport::open(&report).unwrap();
+    let side = || Side { report: &stored, driver: None };
+    let compared = compare_reports(side(), side()).unwrap();
+    let place = compared.events.iter().position(CountedEvent::is_violation).unwrap();
+    for cell in &compared.cells {
+        assert_eq!(cell.rates[place].is_some(), cell.keys[0].town == "marked", "{}", cell.title());
+    }
+    assert_eq!(compared.cells.len(), 2);
 }
 
 #[test]

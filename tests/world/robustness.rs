@@ -65,7 +65,7 @@ fn samples(stream: &mut Stream) -> Vec<[f64; SIGNALS]> {
 }
 
 fn recorded(requirement: &Requirement, samples: &[[f64; SIGNALS]]) -> Trace {
-    let mut trace = Trace::new(requirement, samples.len());
+    let mut trace = Trace::new(requirement, samples.len(), &|_| false);
     samples.iter().for_each(|sample| trace.push(requirement, &|id| sample[id.0]));
     trace
 }

@@ -75,6 +75,11 @@ impl Requirement {
         self.parts.iter().any(|part| part.margin.mentions(wanted))
     }
 
+    /// Whether it can say something if the values of silent variables say nothing: a part of what must all hold is enough, and of alternatives each must.
+    pub fn says_something(&self, is_silent: &impl Fn(VariableId) -> bool) -> bool {
+        self.formula.says_something(true, &|part| self.parts[part].margin.mentions(is_silent))
+    }
+
     /// The latest time that a bound of it reaches after the start (s), bounds inside others added up; infinite ends do not count.
     pub fn reach(&self) -> f64 {
         self.formula.reach()
@@ -97,6 +102,22 @@ impl Temporal {
                 both => both.concat(),
             },
             Self::Or(a, b) | Self::Until(_, a, b) => [a.conditions(), b.conditions()].concat(),
+        }
+    }
+
+    /// The same of a formula, or of its negation, by its silent comparisons.
+    fn says_something(&self, as_it_is: bool, is_silent: &impl Fn(usize) -> bool) -> bool {
+        let [one, all] = [|a: bool, b: bool| a || b, |a: bool, b: bool| a && b];
+        let both = |a: &Self, b: &Self, join: fn(bool, bool) -> bool| {
+            join(a.says_something(as_it_is, is_silent), b.says_something(as_it_is, is_silent))
+        };
+        match self {
+            Self::Constant(_) => true,
+            Self::Part(index) => !is_silent(*index),
+            Self::Not(inner) => inner.says_something(!as_it_is, is_silent),
+            Self::Always(_, inner) | Self::Eventually(_, inner) => inner.says_something(as_it_is, is_silent),
+            Self::And(a, b) => both(a, b, if as_it_is { one } else { all }),
+            Self::Or(a, b) | Self::Until(_, a, b) => both(a, b, if as_it_is { all } else { one }),
         }
     }
 

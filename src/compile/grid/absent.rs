@@ -1,40 +1,20 @@
 //! What the towns of a campaign do not have, and something in it is about.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Grid;
-use crate::jobs::Search;
+use crate::jobs::{Cover, Estimation, Search};
 use crate::lowering::Lowering;
 use base::signature::{Comparison, Formula, Value, VariableId};
 use lang::diagnostics;
 use lang::hir::Block;
-use world::env::RewardRule;
-use world::road::Town;
+use world::env::{MapPart, RewardRule};
+use world::requirement::NamedRequirement;
 
 /// How much faster than the highest speed limit of its towns a car may be expected to drive.
 const ABOVE_LIMIT: f64 = 1.5;
 /// The limit that drivers keep before the first sign (m/s).
 const FIRST_LIMIT: f64 = 30.0 / 3.6;
-
-/// A part of a town: its name, the variables about it, and whether a town has it.
-struct Part {
-    name: &'static str,
-    variables: &'static [&'static str],
-    is_in: fn(&Town) -> bool,
-}
-
-const PARTS: [Part; 2] = [
-    Part {
-        name: "crosswalks",
-        variables: &["crosswalk_distance", "crosswalk_taken", "crosswalk_waiting"],
-        is_in: |town| !town.crosswalks.is_empty(),
-    },
-    Part {
-        name: "traffic lights",
-        variables: &["light_distance", "red_light"],
-        is_in: |town| !town.traffic_lights.is_empty(),
-    },
-];
 
 /// The highest of the speeds of a key (m/s).
 fn highest(value: &Value) -> f64 {
@@ -49,20 +29,29 @@ fn highest(value: &Value) -> f64 {
 impl Lowering<'_> {
     /// Warns of requirements, rewards and drivers of a campaign that are about a part that a town of it does not have.
     pub(super) fn warn_of_absent(&mut self, block: &Block, grid: &Grid) {
-        for part in &PARTS {
+        for part in &MapPart::ALL {
             let named = |town: &&crate::plan::NamedTown| !(part.is_in)(&town.town);
             let without: Vec<&str> = grid.campaign.towns.iter().filter(named).map(|town| town.name.as_str()).collect();
             if without.is_empty() {
                 continue;
             }
-            let vocabulary = &self.catalog.vocabulary;
-            let is_one = |id| vocabulary.variable(id).is_some_and(|variable| part.variables.contains(&variable.name));
-            let is_about = |formula: &Formula| formula.mentions(&is_one);
+            let is_about = |formula: &Formula| formula.mentions(&|id| part.has(id));
             let places = block.members("requirements");
             let requirements = grid.usual.requirements.all.iter().enumerate().filter_map(|(index, each)| {
                 let is_named = each.requirement.parts.iter().any(|part| is_about(&part.margin));
                 is_named.then(|| (places.get(index).copied().unwrap_or(block.head), each.name.to_string()))
             });
+            let jobs = &grid.campaign;
+            let scenarios =
+                jobs.all::<Search>().map(|job| &job.scenario).chain(jobs.all::<Estimation>().map(|job| &job.scenario));
+            let asked = scenarios
+                .chain(jobs.all::<Cover>().map(|job| &job.scenario))
+                .flat_map(|scenario| &*scenario.requirements);
+            let is_own =
+                |each: &&NamedRequirement| !grid.usual.requirements.all.iter().any(|all| all.name == each.name);
+            let asked = asked.filter(is_own).filter(|each| each.requirement.mentions(&|id| part.has(id)));
+            let asked: BTreeSet<String> = asked.map(|each| each.name.to_string()).collect();
+            let asked = asked.into_iter().map(|name| (block.head, name));
             let trained = grid.rewards.iter().map(|(name, reward)| (name, &reward.value));
             let searched = grid.campaign.all::<Search>().map(|search| (&search.key.reward, &search.scenario.reward));
             let rewards: BTreeMap<&String, &RewardRule> = trained.chain(searched).collect();
@@ -78,7 +67,7 @@ impl Lowering<'_> {
             };
             let drivers = grid.campaign.drivers.iter().filter(|driver| yields(&driver.settings));
             let drivers = drivers.map(|driver| (block.head, driver.name.clone()));
-            let found: Vec<_> = requirements.chain(rewards).chain(end).chain(drivers).collect();
+            let found: Vec<_> = requirements.chain(asked).chain(rewards).chain(end).chain(drivers).collect();
             for (place, name) in found {
                 self.said.push(diagnostics::never_applies(place, &name, part.name, &without));
             }

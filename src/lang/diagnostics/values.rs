@@ -66,9 +66,22 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
         return Diagnostic::error("unknown-unit", span, format!("`{written}` is not a unit"))
             .help("a power is a whole number from -9 to 9, as in `m/s^2`");
     };
+    // Other units that are spelled nearly so are of another size, or measure something else.
+    let meant = match written.to_lowercase().as_str() {
+        "kmh" | "kmph" | "km/hr" => Some("km/h"),
+        "mps" => Some("m/s"),
+        "mps2" | "m/s2" => Some("m/s^2"),
+        _ => None,
+    };
+    if let Some(meant) = meant {
+        return Diagnostic::error("unknown-unit", span, format!("`{}` is not a unit", cut(written)))
+            .here(format!("did you mean `{meant}`?"))
+            .fix(meant);
+    }
     let start = span.start + written.find(part).unwrap_or(0);
     let place = Span { start, end: start + part.len(), ..span };
-    unknown("unknown-unit", place, format!("`{}` is not a unit", cut(part)), part, units.iter().copied())
+    Diagnostic::error("unknown-unit", place, format!("`{}` is not a unit", cut(part)))
+        .help(format!("known here: {}", quoted(units.iter().copied())))
         .help("the word after a number is its unit; any other word follows a sign, a comma or a new line")
 }
 

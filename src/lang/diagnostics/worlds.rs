@@ -163,8 +163,8 @@ pub fn fast_bend(span: Span, radius: f64, lateral: f64, limit: f64) -> Diagnosti
 pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str]) -> Diagnostic {
     let towns = towns.iter().map(|town| format!("`{town}`")).collect::<Vec<_>>().join(", ");
     Diagnostic::warning("never-applies", span, format!("`{name}` is about {part}, and there are none in {towns}"))
-        .here("never applies there")
-        .help(format!("0 violations say nothing there: use a town with {part}"))
+        .here("its result there says nothing")
+        .help(format!("use a town with {part}"))
 }
 
 /// A comparison of a requirement is decided by the speed limits: the highest limit (m/s).

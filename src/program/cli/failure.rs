@@ -43,3 +43,16 @@ pub fn notice(notice: &Notice) {
         Level::Error => console::fail(&text),
     }
 }
+
+/// Warns if programs ended, or were late, in this process. Several episodes run at once, and each in which that happens is run again alone: what
+/// happens only among others is in no result.
+pub fn programs() {
+    let times = match process::failures() {
+        0 => return,
+        1 => "once".to_owned(),
+        times => format!("{times} times"),
+    };
+    console::warn(&format!(
+        "programs ended, or were late, {times}; an episode is in error only if that happens again when it runs alone"
+    ));
+}

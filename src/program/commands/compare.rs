@@ -12,7 +12,8 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, Error};
 use results::record::TableReference;
 use results::report::{
-    self, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, SideEnd, StoredReport,
+    self, Caveat, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, SideEnd,
+    StoredReport,
 };
 
 /// Maximum number of failures in each list for people.
@@ -126,6 +127,10 @@ pub fn tell_causes(comparison: &ReportComparison, options: &RepeatArgs) {
 
 /// Judges a comparison and reports which conditions are true.
 pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
+    let is_alone = |caveat: &&Caveat| matches!(caveat, Caveat::LoneDrivers { .. });
+    for caveat in comparison.caveats.iter().filter(is_alone).filter(|_| !conditions.is_empty()) {
+        console::warn(&format!("--fail-if: {caveat}"));
+    }
     let cells = Subject {
         judge: &|gate| gate.judge(&report::compared_cells(comparison)),
         titles: comparison.cells.iter().map(ComparedCell::title).collect(),

@@ -143,8 +143,9 @@ pub fn run(options: &RunArgs) -> Ended {
     ended(options.format, run_or_list(options))
 }
 
-/// Reports the exit code of a command to programs.
+/// Warns of programs that failed, and reports the exit code of a command to programs.
 pub fn ended(output: Output, ended: Ended) -> Ended {
+    failure::programs();
     if output == Output::Json {
         let (Ok(code) | Err(code)) = ended;
         EventLine::RunEnded { exit_code: code as u8 }.tell();

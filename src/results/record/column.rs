@@ -27,7 +27,7 @@ pub enum Role {
     /// The ends of an interval of a figure.
     LowerBound,
     UpperBound,
-    /// The probability of a difference by chance, after a correction for several tests.
+    /// The probability of a difference by chance, mostly after a correction for several tests.
     AdjustedP,
 }
 

@@ -53,7 +53,7 @@ pub use metric_table::{METRICS, metric_references};
 
 // Reports side by side, and old failures with a new driver.
 pub use compare::{
-    Changed, ComparedCell, ComparedSearch, CountedEvent, PairedRate, ReportComparison, Side, compare_reports,
+    Caveat, Changed, ComparedCell, ComparedSearch, CountedEvent, PairedRate, ReportComparison, Side, compare_reports,
     compared_cells, compared_search_table, comparison_reference,
 };
 pub use overview::{Found, Overview, Variant};

@@ -74,7 +74,7 @@ pub(crate) use scenario::MOVING_ABOVE;
 pub use scenario::{EpisodeRule, Scenario};
 pub use scene::Scene;
 pub use signal::{
-    Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
+    MapPart, Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
 };
 pub(crate) use simulation::tick;
 pub use simulation::{Draw, Observer, Phase, Simulation, WrapDriver, carry_out};

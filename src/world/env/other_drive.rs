@@ -1,4 +1,4 @@
-use super::signal::{Wanted, is_measured};
+use super::signal::{Wanted, is_measured, is_silent};
 use super::signal_meter::SignalMeter;
 use super::{Pair, Situation, actor_signal};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -41,13 +41,14 @@ impl<'a> OtherDrive<'a> {
         world.begin(&Start { vehicles: &places, pedestrians: &starts, light_phase });
         let wanted = Wanted::new(|id| is_measured(id) && requirement.mentions(&|other| other == id));
         let room = pair.len() - first;
+        let is_silent = |id| is_silent(id, &scenario.town);
         Self {
             pair,
             requirement,
             first,
             meter: SignalMeter::new(wanted, &world, room),
             world,
-            margins: Margins::new(requirement, room),
+            margins: Margins::new(requirement, room, &is_silent),
             samples: 0,
             least_gap: f64::INFINITY,
         }

@@ -1,3 +1,4 @@
+use super::signal::is_silent;
 use super::{Scenario, Scene, Situation, actor_signal};
 use crate::av::DrivingMode;
 use crate::geometry::Vector;
@@ -41,7 +42,8 @@ impl RequirementWatch {
     /// A watch of a scenario's requirements, with memory for this number of samples.
     pub(super) fn new(scenario: &Scenario, samples: usize) -> Self {
         let monitor = |all: &Arc<[NamedRequirement]>| {
-            (!all.is_empty()).then(|| Monitor::new(all.clone(), scenario.episode.tick, samples))
+            let is_silent = |id| is_silent(id, &scenario.town);
+            (!all.is_empty()).then(|| Monitor::new(all.clone(), scenario.episode.tick, samples, &is_silent))
         };
         Self {
             all: monitor(&scenario.requirements),

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::geometry::Pose;
+use crate::road::Town;
 use base::signature::{Event, Formula, Variable, VariableId, Vocabulary};
 use base::units::Dimension;
 
@@ -285,9 +286,44 @@ const OF_THE_MAP: &[&str] = &[
     "crosswalk_waiting",
 ];
 
+/// A part of a map that some variables are about, and that a town may not have.
+pub struct MapPart {
+    /// What a town has several of.
+    pub name: &'static str,
+    variables: &'static [&'static str],
+    /// Whether a town has it.
+    pub is_in: fn(&Town) -> bool,
+}
+
+impl MapPart {
+    /// All parts.
+    pub const ALL: [Self; 2] = [
+        Self {
+            name: "crosswalks",
+            variables: &["crosswalk_distance", "crosswalk_taken", "crosswalk_waiting"],
+            is_in: |town| !town.crosswalks.is_empty(),
+        },
+        Self {
+            name: "traffic lights",
+            variables: &["light_distance", "red_light"],
+            is_in: |town| !town.traffic_lights.is_empty(),
+        },
+    ];
+
+    /// Whether a variable is about it.
+    pub fn has(&self, id: VariableId) -> bool {
+        is_one_of(self.variables, id)
+    }
+}
+
+/// Whether a variable is about a part that a town does not have, so that its value says nothing.
+pub(super) fn is_silent(id: VariableId, town: &Town) -> bool {
+    MapPart::ALL.iter().any(|part| part.has(id) && !(part.is_in)(town))
+}
+
 /// Whether a variable is one of these; no signal of an actor is.
 fn is_one_of(names: &[&str], id: VariableId) -> bool {
-    id.of_actor().is_none() && names.contains(&VARIABLES[id.0].0.name)
+    id.of_actor().is_none() && VARIABLES.get(id.0).is_some_and(|found| names.contains(&found.0.name))
 }
 
 /// Whether a variable needs the map.

@@ -21,6 +21,15 @@ choice! {
 }
 
 impl ContactSide {
+    /// The same side of a car whose front was taken for its rear.
+    pub(super) fn turned_round(self) -> Self {
+        match self {
+            Self::Front => Self::Rear,
+            Self::Side => Self::Side,
+            Self::Rear => Self::Front,
+        }
+    }
+
     /// The side on which a point is, `ahead` and to the left (`aside`) of the middle of a car with these half extents (m).
     pub(super) fn new(ahead: f64, aside: f64, half: Vector) -> Self {
         if ahead < -half.x {

@@ -1,3 +1,4 @@
+use super::recording_noise::VELOCITY_NOISE;
 use crate::env::Pair;
 use crate::geometry::Vector;
 use crate::sim::PedestrianState;
@@ -12,6 +13,8 @@ const LOOKED_AT: f64 = 3.0;
 const FAST_ACCELERATION: f64 = 1.0;
 /// Greatest excess of a bound by rounding (m/s and m/s²).
 const ROUNDING: f64 = 1e-6;
+/// Greatest excess of a velocity by the noise that is left in a recording (m/s): two standard deviations.
+const OF_RECORDING: f64 = 2.0 * VELOCITY_NOISE;
 
 /// What a pedestrian did with its body in the last three seconds of an episode, over the whole velocity vector: a turn counts as much as a change
 /// of speed.
@@ -28,6 +31,9 @@ pub struct PedestrianMotion {
     pub velocity_change: f64,
     /// Greatest difference of a velocity and the mean of all (m/s).
     pub unsteadiness: f64,
+    /// What velocities may exceed a bound by (m/s): in a recording from elsewhere the noise that is left, so that none turns a pedestrian at a bound into one
+    /// beyond it.
+    pub excess: f64,
 }
 
 impl PedestrianMotion {
@@ -45,11 +51,12 @@ impl PedestrianMotion {
     /// Euro NCAP, *AEB/LSS VRU test protocol* 4.5.1, 2024. VRU (Aschaffenburg), DUT and ETH/UCY: trajectories in OpenTraj and arXiv
     /// 1902.00487; the percentiles were computed from them.
     pub const FORESEEABLE: Self =
-        Self { peak_speed: 8.0 / 3.6, peak_acceleration: 2.12, velocity_change: 1.65, unsteadiness: 0.3 };
+        Self { peak_speed: 8.0 / 3.6, peak_acceleration: 2.12, velocity_change: 1.65, unsteadiness: 0.3, excess: 0.0 };
 
     /// Measures the pedestrian of a pair at the end of the episode.
     pub fn new(pair: &Pair<'_>) -> Self {
-        Self::of(pair.walking, pair.dt())
+        let excess = if pair.is_on_map() { ROUNDING } else { OF_RECORDING };
+        Self { excess, ..Self::of(pair.walking, pair.dt()) }
     }
 
     /// Measures states that are `dt` (s) apart, at their end. A part of an episode is a part of the slice.
@@ -74,6 +81,7 @@ impl PedestrianMotion {
             peak_acceleration: greatest(&mut apart(half)) / (half as f64 * dt),
             velocity_change: greatest(&mut (1..=second).flat_map(apart)),
             unsteadiness: greatest(&mut means.iter().map(|velocity| (velocity - mean).norm_squared())),
+            excess: ROUNDING,
         }
     }
 
@@ -81,12 +89,13 @@ impl PedestrianMotion {
     pub fn is_foreseeable(&self) -> bool {
         let bounds = Self::FORESEEABLE;
         let acceleration = if self.is_fast() { FAST_ACCELERATION } else { bounds.peak_acceleration };
-        self.peak_acceleration <= acceleration + ROUNDING && self.velocity_change <= bounds.velocity_change + ROUNDING
+        self.peak_acceleration <= acceleration + self.excess / HALF_SECOND
+            && self.velocity_change <= bounds.velocity_change + self.excess
     }
 
     /// Whether it was faster than a pedestrian of 8 km/h, as runners and cyclists are.
     pub fn is_fast(&self) -> bool {
-        self.peak_speed > Self::FORESEEABLE.peak_speed + ROUNDING
+        self.peak_speed > Self::FORESEEABLE.peak_speed + self.excess
     }
 
     /// Whether it kept its velocity.

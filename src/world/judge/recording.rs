@@ -81,7 +81,7 @@ pub enum RecordingError {
     Size { quantity: &'static str, size: f64, low: f64, high: f64 },
     #[error("instant {instant}: {fault}")]
     Instant { instant: usize, fault: InstantFault },
-    #[error("the {who} moves {ratio:.2} times as far as its speed and the step of {dt} s explain: {likely}")]
+    #[error("the {who} moves {} its speed and the step of {dt} s explain: {likely}", times(*ratio))]
     Units { who: &'static str, ratio: f64, dt: f64, likely: String },
     #[error("the {who} moves at {degrees:.0} deg from its heading: {likely}")]
     Heading { who: &'static str, degrees: f64, likely: &'static str },
@@ -101,6 +101,11 @@ pub enum InstantFault {
         velocity(*.moved), velocity(*.told), if *.who == "car" { "what is wrong" } else { "what is wrong, or leave out speed and heading: they then come from the positions" }
     )]
     Contradiction { who: &'static str, lasts: f64, moved: Vector, told: Vector },
+}
+
+/// How much farther something moves than is explained.
+fn times(ratio: f64) -> String {
+    if ratio.is_finite() { format!("{ratio:.2} times as far as") } else { "farther than".into() }
 }
 
 /// A speed and its direction.
@@ -312,7 +317,7 @@ impl Recording {
         let mut scenario = scenario.clone();
         scenario.obstacles = obstacles;
         (scenario.episode.tick, scenario.episode.hold) = (self.dt, 1);
-        let trace = self.trace(&scenario);
+        let (trace, is_reversed) = self.trace(&scenario);
         let pair = trace.pair(&scenario, 0, 0);
         let touch = trace.contact().map(|contact| (pair.len() as f64 - 2.0 + contact.fraction) * self.dt);
         let (near_miss, least_gap) = match touch {
@@ -332,7 +337,10 @@ impl Recording {
             touch,
             least_gap,
             near_miss,
-            verdict: inquiry.map(Inquiry::verdict),
+            verdict: inquiry.map(Inquiry::verdict).map(|verdict| Verdict {
+                side: if is_reversed { verdict.side.turned_round() } else { verdict.side },
+                ..verdict
+            }),
             begins_late,
             ignored: self.spikes.clone(),
             requirements,
@@ -382,8 +390,9 @@ impl Recording {
         moved < -explained / 2.0 && explained > 0.0
     }
 
-    /// The tracks up to the first touch, without noise. The touch moves the pedestrian, so what follows says nothing of the motion before it.
-    fn trace(&self, scenario: &Scenario) -> Trace {
+    /// The tracks up to the first touch, without noise, and whether the car reversed and is turned round. The touch moves the pedestrian, so what follows says
+    /// nothing of the motion before it.
+    fn trace(&self, scenario: &Scenario) -> (Trace, bool) {
         let (blueprint, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
         let touched = |ego: &[VehicleState], pedestrian: &[PedestrianState]| {
             let mut steps = ego.windows(2).zip(pedestrian.windows(2)).enumerate();
@@ -398,7 +407,8 @@ impl Recording {
         let mut ego = self.ego[..instants].to_vec();
         let mut walking = self.pedestrian[..instants].to_vec();
         // The end that leads is the front: a car that reverses is turned round.
-        if first.is_some() && self.reverses(&ego) {
+        let is_reversed = first.is_some() && self.reverses(&ego);
+        if is_reversed {
             let is_signed = ego.iter().any(|state| state.speed < 0.0);
             for state in &mut ego {
                 let speed = state.speed;
@@ -423,6 +433,7 @@ impl Recording {
         let driving = ego[..instants].iter().map(|state| VehicleFrame { state: *state, driven: Driven::default() });
         let walking = &walking[..instants];
         let decisions = walking[1..].iter().map(|state| WalkCommand { heading: state.pose.yaw, speed: state.speed() });
-        Trace::recorded(driving.collect(), walking.to_vec(), decisions.collect(), touch.map(|(_, contact)| contact))
+        let contact = touch.map(|(_, contact)| contact);
+        (Trace::recorded(driving.collect(), walking.to_vec(), decisions.collect(), contact), is_reversed)
     }
 }

@@ -58,9 +58,9 @@ struct Stretch {
     /// The length that the speeds explain (m), and their mean (m/s).
     explained: f64,
     speed: f64,
-    /// The unit vector of the mean direction: as the numbers are, if they were degrees, if they were degrees that were taken for radians, and if they
-    /// counted from y to x.
-    headings: [Vector; 4],
+    /// The unit vector of the mean direction: as the numbers are, if they were degrees, if they were degrees that were taken for radians, if they
+    /// counted from y to x, and if they were compass bearings.
+    headings: [Vector; 5],
 }
 
 impl Stretch {
@@ -121,6 +121,9 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
     let is_better = |reading| of_reading(reading) < (found / 4.0).min(PI - found);
     let fits_better = |reading| mean(reading) < mean(0) / 4.0;
     let likely = match () {
+        () if found > SMALL && is_better(4) && (1..4).all(|other| mean(4) < mean(other)) => {
+            "they look like compass bearings, clockwise from north; give 90 degrees less the bearing"
+        }
         () if found > SMALL && (usual > 1.0 && is_better(1) || usual > TAU && found > FRAC_PI_4) => DEGREES,
         () if found > SMALL && is_better(3) || mean(0) > MISREAD && fits_better(3) => {
             "they look left-handed; of a left-handed frame change the signs of y and of the heading"
@@ -210,21 +213,16 @@ fn stretches(track: &[(Pose, f64)], dt: f64, length: f64) -> Vec<Stretch> {
         }
         let speed = explained / ((instant - first) as f64 * dt);
         if explained.max(moved.norm()) >= MOVING * (instant - first) as f64 * dt {
-            let mean = |factor: f64| -> Vector {
+            let mean = |(offset, factor): (f64, f64)| -> Vector {
                 let units = track[first..=instant].iter().map(|(pose, speed)| {
-                    let yaw = wrap_angle(pose.yaw * factor);
+                    let yaw = wrap_angle(offset + pose.yaw * factor);
                     Vector::new(libm::cos(yaw), libm::sin(yaw)) * if *speed < 0.0 { -1.0 } else { 1.0 }
                 });
                 units.sum()
             };
             let told = told[instant] - told[first];
-            found.push(Stretch {
-                moved,
-                told,
-                explained,
-                speed,
-                headings: [1.0, PI / 180.0, 180.0 / PI, -1.0].map(mean),
-            });
+            let readings = [(0.0, 1.0), (0.0, PI / 180.0), (0.0, 180.0 / PI), (0.0, -1.0), (FRAC_PI_2, -1.0)];
+            found.push(Stretch { moved, told, explained, speed, headings: readings.map(mean) });
         }
         (first, explained) = (instant, 0.0);
     }
@@ -321,6 +319,11 @@ mod tests {
             let mirrored = changed(&driven(10.0, heading), |pose, speed| (Pose { y: -pose.y, ..pose }, speed));
             let Some(Misfit::Heading { likely, .. }) = misfit(&mirrored, DT, CAR) else { panic!("{heading} rad") };
             assert!(likely.starts_with("they look left-handed"), "{heading} rad: {likely}");
+        }
+        for heading in [0.1, 0.5, -0.6, 2.9] {
+            let bearings = headed(&driven(10.0, heading), |yaw| FRAC_PI_2 - yaw);
+            let Some(Misfit::Heading { likely, .. }) = misfit(&bearings, DT, CAR) else { panic!("{heading} rad") };
+            assert!(likely.starts_with("they look like compass bearings"), "{heading} rad: {likely}");
         }
         for (track, cause) in [
             (changed(&driven(10.0, 0.3), |pose, speed| (pose, -speed)), "its speed is negative"),

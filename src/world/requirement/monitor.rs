@@ -23,9 +23,14 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Watches requirements in samples this time (s) apart; memory is reserved for this number of samples.
-    pub fn new(requirements: Arc<[NamedRequirement]>, dt: f64, samples: usize) -> Self {
-        let traces = requirements.iter().map(|each| Trace::new(&each.requirement, samples)).collect();
+    /// Watches requirements in samples this time (s) apart; memory is reserved for this number of samples. The values of silent variables say nothing.
+    pub fn new(
+        requirements: Arc<[NamedRequirement]>,
+        dt: f64,
+        samples: usize,
+        is_silent: &impl Fn(VariableId) -> bool,
+    ) -> Self {
+        let traces = requirements.iter().map(|each| Trace::new(&each.requirement, samples, is_silent)).collect();
         let degrees = Vec::with_capacity(requirements.len());
         Self { requirements, traces, degrees, dt }
     }

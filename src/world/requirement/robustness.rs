@@ -15,16 +15,20 @@ pub struct Trace {
     /// Memory for the values of operators.
     spare: Vec<Vec<Degree>>,
     window: VecDeque<(usize, Degree)>,
-    /// What stands before each `implies`.
+    /// What stands before each `implies`; what is never true of a formula that only speaks of what is not there.
     conditions: Vec<Temporal>,
 }
 
 impl Trace {
-    /// Reserves memory for a requirement and this number of samples.
-    pub fn new(requirement: &Requirement, samples: usize) -> Self {
+    /// Reserves memory for a requirement and this number of samples. The values of silent variables say nothing: where they decide whether it is satisfied, it
+    /// does not apply.
+    pub fn new(requirement: &Requirement, samples: usize, is_silent: &impl Fn(VariableId) -> bool) -> Self {
         let parts = requirement.parts.len();
         let (margins, window) = (Vec::with_capacity(parts * samples), VecDeque::with_capacity(samples));
-        let conditions = requirement.formula.conditions();
+        let conditions = match requirement.says_something(is_silent) {
+            true => requirement.formula.conditions(),
+            false => vec![Temporal::Constant(false)],
+        };
         Self { parts, margins, window, reserved: samples, conditions, ..Self::default() }
     }
 

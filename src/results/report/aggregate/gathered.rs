@@ -136,9 +136,14 @@ pub fn gather(
         gathered.runs.extend(totals.row());
         if tried > 0 {
             for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
-                // A target walks alike for every reward of the campaign; its cells are shown once.
-                if !gathered.protocol.iter().any(|known| known.repeats(&cell)) {
-                    gathered.protocol.push(cell);
+                // A target walks alike for every reward of the campaign; its cells are shown once. A case that one block ran is not missing in another.
+                let all = &mut gathered.protocol;
+                let is_case = |known: &ProtocolCell| known.is_same_test(&cell) && !(known.is_run() && cell.is_run());
+                match all.iter().position(is_case) {
+                    Some(place) if cell.is_run() => all[place] = cell,
+                    Some(_) => {}
+                    None if all.iter().any(|known| known.repeats(&cell)) => {}
+                    None => all.push(cell),
                 }
             }
         }

@@ -127,6 +127,11 @@ impl ProtocolCell {
             && (self.test_speed, self.overlap) == (other.test_speed, other.overlap)
     }
 
+    /// Whether two results of the nominal test are of one case, town and test.
+    pub(super) fn is_same_test(&self, other: &Self) -> bool {
+        (&self.town, &self.test) == (&other.town, &other.test) && self.is_same_case(other)
+    }
+
     /// Whether another result is the same one under the name of another run.
     pub(super) fn repeats(&self, other: &Self) -> bool {
         let named = Self { run_id: self.run_id.clone(), worst: self.worst.clone(), ..other.clone() };

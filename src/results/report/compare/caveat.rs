@@ -52,6 +52,9 @@ pub enum Caveat {
         /// The number of trainings of the second report that the first does not have.
         trainings: usize,
     },
+    /// Drivers that only one side has: nothing is known of what changed.
+    #[error("only one side has {}, which is not compared: give it the same name on both sides", list(drivers))]
+    LoneDrivers { drivers: Vec<String> },
     /// Runs without a partner.
     #[error("{before} runs of the first and {after} of the second have no partner")]
     Unmatched {

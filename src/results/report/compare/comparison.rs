@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::caveat::{Caveat, caveats};
-use super::matching::{Incomparable, Matched, Side, matched};
+use super::matching::{Incomparable, Matched, Side, lone_drivers, matched};
 use super::paired_rate::{Changed, CountedEvent, PairedRate, PooledStarts};
 use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::failure::Failure;
@@ -44,8 +44,8 @@ pub struct ComparedCell {
     pub starts: u64,
     /// The number of pairs of episodes that are not the same byte for byte.
     pub differing: u64,
-    /// The rates of [`ReportComparison::events`]; empty without a common start.
-    pub rates: Vec<PairedRate>,
+    /// The rates of [`ReportComparison::events`], `None` for a requirement that never applied here; empty without a common start.
+    pub rates: Vec<Option<PairedRate>>,
 }
 
 /// The controller of a row about all untrained controllers of a driver. No controller of a scenario has such a name.
@@ -57,7 +57,7 @@ impl ReportComparison {
         let place = self.events.iter().position(|each| each == event);
         let cells = self.cells.iter().filter(|cell| !cell.is_pooled());
         let mut sum = Changed::default();
-        cells.filter_map(|cell| cell.rates.get(place?)).for_each(|rate| sum.add(rate.changed));
+        cells.filter_map(|cell| cell.rates.get(place?)?.as_ref()).for_each(|rate| sum.add(rate.changed));
         sum
     }
 
@@ -95,7 +95,8 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     let collided = failures.each_ref().map(|all| collisions(all));
     let violated = [violations(before, &failures[0])?, violations(after, &failures[1])?];
     let applied = [before.report.applied_requirements()?, after.report.applied_requirements()?];
-    let is_compared = |name: &&String| violated[1].contains_key(*name) && applied.iter().any(|all| all.contains(*name));
+    let is_compared =
+        |name: &&String| violated[1].contains_key(*name) && applied.iter().any(|all| all.contains_key(*name));
     let requirements: Vec<&String> = violated[0].keys().filter(is_compared).collect();
     let events = CountedEvent::all(requirements.iter().copied());
     let cells = grouped(pairs, |one, other| one[0].key.cell == other[0].key.cell);
@@ -116,6 +117,16 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         let is_pooled = !found.keys[0].is_of_reward();
         pool.controllers += usize::from(is_pooled);
         pool.cell.runs += if is_pooled { found.runs } else { 0 };
+        // Collisions always can be.
+        let applies: Vec<bool> = std::iter::once(true)
+            .chain(requirements.iter().map(|name| {
+                let runs = |side: usize| applied[side].get(*name).into_iter().flatten();
+                cell.iter().any(|pair| (0..2).any(|side| runs(side).any(|run| *run == pair[side].key.id)))
+            }))
+            .flat_map(|applies| [applies; KINDS])
+            .collect();
+        pool.applies.resize(events.len(), false);
+        pool.applies.iter_mut().zip(&applies).for_each(|(pooled, own)| *pooled |= is_pooled && *own);
         let mut counts = vec![Changed::default(); events.len()];
         // Collisions and each requirement apart.
         let mut evaluated = vec![[Vec::new(), Vec::new()]; events.len() / KINDS];
@@ -178,25 +189,36 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         pool.cell.differing += if is_pooled { found.differing } else { 0 };
         if found.starts > 0 {
             let figures = evaluated.into_iter().flat_map(compare_pair);
-            found.rates = figures.zip(counts).map(|(figure, count)| PairedRate::of_cell(figure, count)).collect();
+            let rates = figures.zip(counts).map(|(figure, count)| PairedRate::of_cell(figure, count));
+            found.rates = rates.zip(applies).map(|(rate, applies)| applies.then_some(rate)).collect();
         }
         compared.push(found);
     }
-    compared.extend(pools.into_iter().filter(|pool| pool.controllers > 1).map(|Pool { cell, starts, .. }| {
-        let events = 0..if starts.count_all() > 0 { events.len() } else { 0 };
-        ComparedCell { starts: starts.count_all(), rates: events.map(|event| starts.rate(event)).collect(), ..cell }
-    }));
+    compared.extend(pools.into_iter().filter(|pool| pool.controllers > 1).map(
+        |Pool { cell, starts, applies, .. }| {
+            let events = 0..if starts.count_all() > 0 { events.len() } else { 0 };
+            let rates = events.map(|event| applies[event].then(|| starts.rate(event))).collect();
+            ComparedCell { starts: starts.count_all(), rates, ..cell }
+        },
+    ));
     for cell in &mut compared {
-        cell.rates.iter_mut().for_each(|rate| rate.is_unchanged = cell.differing == 0 && rate.changed.is_same());
+        cell.rates
+            .iter_mut()
+            .flatten()
+            .for_each(|rate| rate.is_unchanged = cell.differing == 0 && rate.changed.is_same());
     }
     // A gate is about one rate, of single controllers or of all of them.
     for (event, is_pooled) in (0..events.len()).flat_map(|event| [(event, false), (event, true)]) {
         let cells = compared.iter_mut().filter(|cell| cell.is_pooled() == is_pooled);
-        PairedRate::adjust(cells.filter_map(|cell| cell.rates.get_mut(event)));
+        PairedRate::adjust(cells.filter_map(|cell| cell.rates.get_mut(event)?.as_mut()));
     }
     if compared.iter().all(|cell| cell.starts == 0) && searches.iter().all(|search| search.starts == 0) {
         let because = notes.iter().find(|note| !matches!(note, Caveat::Trainings { .. })).map(ToString::to_string);
         return Err(Incomparable::NoStart { because });
+    }
+    let drivers = lone_drivers(before, after)?.concat();
+    if !drivers.is_empty() {
+        notes.push(Caveat::LoneDrivers { drivers });
     }
     if unmatched != [0, 0] {
         notes.push(Caveat::Unmatched { before: unmatched[0], after: unmatched[1] });
@@ -220,6 +242,8 @@ struct Pool {
     cell: ComparedCell,
     controllers: usize,
     starts: PooledStarts,
+    /// Whether each event can be: not where its requirement never applied.
+    applies: Vec<bool>,
 }
 
 /// The events that a collision is.

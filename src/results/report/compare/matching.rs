@@ -71,6 +71,17 @@ pub(super) fn matched(before: Side<'_>, after: Side<'_>) -> Result<Matched<Store
     Ok(found)
 }
 
+/// The drivers of one side of which no run has a partner, and those of the other. A driver of a single one on either side is not alone.
+pub(super) fn lone_drivers(before: Side<'_>, after: Side<'_>) -> Result<[Vec<String>; 2], Incomparable> {
+    let (first, second) = (before.runs()?, after.runs()?);
+    if is_renamed(&first, &second, |run| &run.key.cell.policy) {
+        return Ok(Default::default());
+    }
+    let drivers = |runs: &[StoredRun]| runs.iter().map(|run| run.key.cell.policy.clone()).collect::<BTreeSet<_>>();
+    let (named, other) = (drivers(&first), drivers(&second));
+    Ok([named.difference(&other).cloned().collect(), other.difference(&named).cloned().collect()])
+}
+
 /// Whether each side has one driver, and they differ: it is the same one under two names, or two that the user compares.
 pub(super) fn is_renamed<T>(first: &[T], second: &[T], driver: impl Fn(&T) -> &String) -> bool {
     let drivers = |all: &[T]| all.iter().map(|each| driver(each).clone()).collect::<BTreeSet<_>>();

@@ -10,6 +10,7 @@ mod comparison;
 mod searches;
 mod table;
 
+pub use caveat::Caveat;
 pub use comparison::{ALL_UNTRAINED, ComparedCell, ReportComparison, compare_reports, drivers};
 pub use matching::Side;
 pub use paired_rate::{Changed, CountedEvent, PairedRate};

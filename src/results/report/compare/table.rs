@@ -91,7 +91,9 @@ fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
     .column(DIFFERING.of(|row: &Row| row.differing));
     for (place, event) in events.iter().enumerate() {
         let name = &event.rate();
-        let of = move |value: fn(&PairedRate) -> Option<f64>| move |row: &Row| row.rates.get(place).and_then(value);
+        let of = move |value: fn(&PairedRate) -> Option<f64>| {
+            move |row: &Row| row.rates.get(place)?.as_ref().and_then(value)
+        };
         table = table
             .column(BEFORE.of(name, of(|rate| Some(rate.values[0]))))
             .column(AFTER.of(name, of(|rate| Some(rate.values[1]))))
@@ -103,7 +105,7 @@ fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
     for (place, event) in events.iter().enumerate() {
         let name = &event.number();
         let of = move |count: fn(Changed) -> u64| {
-            move |row: &Row| row.rates.get(place).map_or(0, |rate| count(rate.changed))
+            move |row: &Row| row.rates.get(place).and_then(Option::as_ref).map_or(0, |rate| count(rate.changed))
         };
         table = table
             .column(FIXED.of(name, of(|all| all.fixed)).of_figure(event.rate(), Role::Differing))

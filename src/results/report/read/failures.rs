@@ -30,16 +30,19 @@ impl StoredReport {
         Ok(names)
     }
 
-    /// The names of those that applied in an episode.
+    /// The names of those that applied in an episode, with the runs of evaluations in which they did.
     ///
     /// # Errors
     /// As [`StoredReport::requirements`].
-    pub fn applied_requirements(&self) -> Result<BTreeSet<String>, ReadError> {
-        let mut names = BTreeSet::new();
+    pub fn applied_requirements(&self) -> Result<BTreeMap<String, BTreeSet<RunId>>, ReadError> {
+        let mut names: BTreeMap<String, BTreeSet<RunId>> = BTreeMap::new();
         self.each_part(REQUIREMENTS, ROWS, |rows| {
-            let (requirement, applies) = (REQUIREMENT.read(rows)?, APPLIES.read(rows)?);
-            let applied = requirement.iter().zip(applies.iter()).filter(|(_, applies)| *applies == Some(true));
-            names.extend(applied.filter_map(|(name, _)| name.map(String::from)));
+            let (requirement, applies, run) = (REQUIREMENT.read(rows)?, APPLIES.read(rows)?, RUN_ID.read(rows)?);
+            for row in (0..rows.height()).filter(|row| applies.get(*row) == Some(true)) {
+                let Some(name) = requirement.get(row) else { continue };
+                let runs = names.entry(name.into()).or_default();
+                runs.extend(run.get(row).and_then(|run| run.parse::<RunId>().ok()));
+            }
             Ok(())
         })?;
         Ok(names)

@@ -10,7 +10,7 @@ use crate::report::Findings;
 use crate::report::aggregate::{STARTS, search_cell_table, search_key};
 use crate::report::cell_table::{KnownCell, cell_table};
 use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, TRIED_STARTS};
-use base::statistics::{MIN_RUNS, mcnemar};
+use base::statistics::{MIN_RUNS, disagreement, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
 /// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about those of
@@ -365,13 +365,13 @@ impl Gate {
         })
     }
 
-    /// The number of common starts of a row, if even a failure in each of them on one side only would leave a `…_p_holm` of a single run above what a
-    /// condition asks for.
+    /// The number of common starts of a row, if even a failure in each of them on one side only would leave the probability of chance, or the end of the
+    /// interval of a difference, of a single run beyond what a condition asks for.
     fn too_few_starts(&self, cells: &DataFrame, row: usize) -> Option<u64> {
-        let starts = |row| number(&value(cells, COMMON_STARTS.name, row)).map(|starts| starts as u64);
+        let starts = |column: &&str| number(&value(cells, column, row)).map(|starts| starts as u64);
         let is_pooled = |row: usize| value(cells, CONTROLLER.name, row).get_str() == Some(ALL_UNTRAINED);
-        let is_exact = is_pooled(row) || number(&value(cells, RUNS, row)) == Some(1.0);
-        let own = starts(row).filter(|_| is_exact)?;
+        let is_exact = is_pooled(row) || number(&value(cells, RUNS, row)).is_none_or(|runs| runs == 1.0);
+        let own = PAIRED_STARTS.iter().find_map(starts).filter(|_| is_exact)?;
         // Holm's correction counts the rows in which a pair differs, and of these no longer those that are shown.
         let is_out_of_reach = |condition: &&Condition| {
             let Bound::Number(bound) = condition.bound else { return false };
@@ -384,11 +384,19 @@ impl Gate {
             let tests = 1 + (0..cells.height()).filter(is_counted).count();
             tests as f64 * mcnemar(0, own) >= bound
         };
-        let below = |condition: &&Condition| matches!(condition.comparison, Comparison::Less | Comparison::AtMost);
-        let mut bounds =
-            self.conditions.iter().filter(below).filter(|condition| condition.column.role == Role::AdjustedP);
-        let found = bounds.find(is_out_of_reach);
-        found.map(|_| own)
+        let is_compared = number(&value(cells, RECHECKED_STARTS, row)).is_none();
+        let all_differ = disagreement(0, own, own, 0.05);
+        let cannot = |condition: &&Condition| {
+            let is_below = matches!(condition.comparison, Comparison::Less | Comparison::AtMost);
+            let is_above = matches!(condition.comparison, Comparison::More | Comparison::AtLeast);
+            match (condition.column.role, &condition.bound) {
+                (Role::AdjustedP, _) if is_below => is_out_of_reach(condition),
+                (Role::LowerBound, Bound::Number(bound)) if is_above && is_compared => all_differ.0 <= *bound,
+                (Role::UpperBound, Bound::Number(bound)) if is_below && is_compared => -all_differ.0 >= *bound,
+                _ => false,
+            }
+        };
+        self.conditions.iter().any(|condition| cannot(&condition)).then_some(own)
     }
 
     fn judge_cell(&self, cells: &DataFrame, row: usize) -> Judged {
@@ -466,6 +474,10 @@ const OF_FAILURES: [&str; 5] = ["fault", "preventable", "collision", "violation"
 
 /// Minimum number of starts of a search for a share of them.
 const MIN_SEARCHED: f64 = 10.0;
+
+/// The columns of the number of starts that two drivers share, in a comparison, of its searches, and of a recheck.
+const PAIRED_STARTS: [&str; 3] = [COMMON_STARTS.name, TRIED_STARTS.name, RECHECKED_STARTS];
+const RECHECKED_STARTS: &str = "starts";
 
 /// The column of the number of runs, in each table that has gates.
 const RUNS: &str = "runs";

@@ -124,6 +124,7 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
     )
     .column(
         number("p", "", "probability of such a change of the share by chance: McNemar's exact test over starts")
+            .with_role(Role::AdjustedP)
             .of(Row::p),
     )
     .column(
@@ -143,6 +144,7 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
             "",
             "probability of a difference at least this large between the numbers of worse and better starts by chance: the exact sign test",
         )
+        .with_role(Role::AdjustedP)
         .of(Row::p_starts),
     )
     .measure(

@@ -89,7 +89,8 @@ fn power(comparison: &ReportComparison) -> Option<String> {
     let cells = || comparison.cells.iter().filter(|cell| cell.starts > 0 && !cell.is_pooled());
     let differing = |event: usize| {
         cells()
-            .filter(|cell| cell.rates.get(event).is_some_and(|rate| rate.changed.fixed + rate.changed.new > 0))
+            .filter_map(|cell| cell.rates.get(event)?.as_ref())
+            .filter(|rate| rate.changed.fixed + rate.changed.new > 0)
             .count()
     };
     let tests = (0..comparison.events.len()).map(differing).max()?.max(1);
@@ -106,9 +107,14 @@ fn power(comparison: &ReportComparison) -> Option<String> {
 fn rates(events: &[CountedEvent], cell: &ComparedCell) -> Table {
     let mut head = vec![Column::text("rate")];
     head.extend(["before", "after", "difference (95 %)", "p (Holm)", "new", "fixed"].map(Column::number));
-    let row = |(event, rate): (&CountedEvent, &PairedRate)| {
+    let row = |(event, rate): (&CountedEvent, &Option<PairedRate>)| {
+        let name = Value::Text(event.rate().replacen("_rate", "", 1));
+        let Some(rate) = rate else {
+            let none = std::iter::repeat_n("–".into(), 5);
+            return [name, "never applied".into()].into_iter().chain(none).collect();
+        };
         vec![
-            Value::Text(event.rate().replacen("_rate", "", 1)),
+            name,
             Value::Number(Some(rate.values[0]), 3),
             Value::Number(Some(rate.values[1]), 3),
             difference(rate),

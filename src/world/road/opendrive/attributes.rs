@@ -40,8 +40,8 @@ pub(super) struct Context<'x> {
 pub(super) enum Counted {
     /// Lanes for cars on which no car drives here.
     NotDriven,
-    /// Limits of less than [`LOW_LIMIT`](super::limits::LOW_LIMIT).
-    LowLimit,
+    /// Limits below [`LOW_LIMIT`](super::limits::LOW_LIMIT), and above that of a road without one.
+    OddLimit,
     /// What has no effect.
     NotUsed,
 }
@@ -105,7 +105,7 @@ impl<'x> Context<'x> {
             line,
             problem: match counted {
                 Counted::NotDriven => OpenDriveProblem::NotDriven { what, count },
-                Counted::LowLimit => OpenDriveProblem::LowLimit { limit: what, count },
+                Counted::OddLimit => OpenDriveProblem::OddLimit { limit: what, count },
                 Counted::NotUsed => OpenDriveProblem::NotUsed { what, count },
             },
         });

@@ -104,7 +104,7 @@ pub enum OpenDriveProblem {
     #[error("cars do not drive on {count} × {what}")]
     NotDriven { what: String, count: u32 },
     #[error("a limit of {limit} km/h, {count} times: is its unit right?")]
-    LowLimit { limit: String, count: u32 },
+    OddLimit { limit: String, count: u32 },
     #[error("not used: {count} × {what}")]
     NotUsed { what: String, count: u32 },
     #[error("the id `{id}` is not a number below 2^32 that it has alone; the free number {given} stands for it")]

@@ -12,7 +12,7 @@ use crate::road::{LaneSection, Road, SpeedSign, TownParts};
 const NO_LIMIT: f64 = 130.0 / 3.6;
 /// Greater limits are mistakes (m/s).
 const MAX_LIMIT: f64 = 150.0;
-/// Limits below this are named: most come from a wrong unit (m/s).
+/// Limits below this, and above the speed of a road without one, are named: most come from a wrong unit (m/s).
 pub(super) const LOW_LIMIT: f64 = 10.0 / 3.6;
 
 /// Where each limit begins along the road (m), in order, and what it is (m/s); `None` if it is undefined.
@@ -76,7 +76,7 @@ fn limit(context: &mut Context, speed: Node) -> Option<f64> {
     if !usable {
         context.bad(speed, "max", text);
     }
-    note_low(context, speed, limit);
+    note_odd(context, speed, limit);
     usable.then_some(limit)
 }
 
@@ -90,10 +90,10 @@ pub(super) fn in_unit(number: f64, unit: &str) -> Option<f64> {
     }
 }
 
-/// Names a limit (m/s) that hardly is one.
-pub(super) fn note_low(context: &mut Context, node: Node, limit: f64) {
-    if limit > 0.0 && limit < LOW_LIMIT - 1e-9 {
-        context.count(node, Counted::LowLimit, format!("{:.1}", limit * 3.6));
+/// Names a limit (m/s) that is lower or higher than those of roads.
+pub(super) fn note_odd(context: &mut Context, node: Node, limit: f64) {
+    if limit > 0.0 && !(LOW_LIMIT - 1e-9..=NO_LIMIT + 1e-9).contains(&limit) {
+        context.count(node, Counted::OddLimit, format!("{:.1}", limit * 3.6));
     }
 }
 

@@ -76,7 +76,11 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
     };
     let drawn = last.s + last.length;
     let gaps = gaps(context, node, &plan_view);
-    let mut length = context.optional(node, "length").filter(|length| *length > 0.0).unwrap_or(drawn);
+    let stated = context.number(node, "length");
+    if stated.is_some_and(|length| length <= 0.0) {
+        context.bad(node, "length", node.attribute("length").unwrap_or_default());
+    }
+    let mut length = stated.filter(|length| *length > 0.0).unwrap_or(drawn);
     if (length - drawn).abs() > ROUNDED {
         let (length, drawn) = (metres(length), metres(drawn));
         context.warn(node, OpenDriveProblem::OtherLength { length, drawn });

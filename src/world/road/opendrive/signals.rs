@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
-use super::limits::{in_unit, note_low};
+use super::limits::{in_unit, note_odd};
 use super::obstacles::trigger;
 use super::roads::{ROUNDED, Roads, metres};
 use crate::geometry::{OrientedBox, Vector};
@@ -179,7 +179,7 @@ pub(super) fn speed_signs(
             }
             continue;
         };
-        note_low(context, sign.node, limit);
+        note_odd(context, sign.node, limit);
         if sign.lanes.is_empty() {
             context.not_used(sign.node, "speed sign beside no driving lane".to_owned());
         }
