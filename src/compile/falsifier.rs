@@ -6,8 +6,8 @@ use lang::diagnostics;
 use lang::hir::Declaration;
 use learn::PpoConfig;
 use world::falsifier::{
-    Archive, Controlled, ControlledKeys, Controller, Exhaustive, Falsifier, Learning, LearningKeys, OpenLoop,
-    TreeSearch,
+    Archive, ArchiveSearch, Controlled, ControlledKeys, Controller, Exhaustive, Falsifier, Learning, LearningKeys,
+    OpenLoop, TreeSearch,
 };
 
 /// What the keys of a falsifier may name.
@@ -48,7 +48,7 @@ pub fn kinds() -> Vec<FalsifierKind> {
         FalsifierKind::new(OpenLoop::cross_entropy),
         FalsifierKind::new(OpenLoop::cma_es),
         FalsifierKind::new(|keys: TreeSearch| keys),
-        FalsifierKind::new(|keys: Archive| keys),
+        FalsifierKind::naming(|keys: Archive, named| ArchiveSearch { keys, from: named.controller.clone() }),
         FalsifierKind::new(|keys: Exhaustive| keys),
         FalsifierKind::naming(|_: LearningKeys, named| {
             Learning(named.training.clone().expect("checked: it has a training"))

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_424),
+    ("src/base", 3_445),
     ("src/learn", 5_524),
-    ("src/world", 36_622),
+    ("src/world", 36_734),
     ("src/ported", 4_642),
-    ("src/lang", 6_595),
-    ("src/compile", 8_027),
-    ("src/process", 859),
+    ("src/lang", 6_608),
+    ("src/compile", 8_044),
+    ("src/process", 880),
     ("src/export", 3_783),
-    ("src/results", 25_947),
-    ("src/program", 12_358),
-    ("tests", 28_243),
+    ("src/results", 26_025),
+    ("src/program", 12_391),
+    ("tests", 28_324),
 ];
 
 /// Crates that only some places may name.

@@ -157,7 +157,7 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
         (changed(6, rows[4]), "line 6: the time is 0.15 s, as in the row before"),
         (good.replace("note", "ego_speed_mps"), "the column `ego_speed_mps` is there twice; give one"),
         (good.replace(",0,0,8,x", ",0,180,8,x"), "the car moves at 180 deg from its heading"),
-        (good.replace(",0,0,8,x", ",0,0,0,x"), "the car moves inf times as far as its speed"),
+        (good.replace(",0,0,8,x", ",0,0,0,x"), "the car moves farther than its speed"),
         (
             good.replace("note", "pedestrian_speed_mps,pedestrian_yaw_deg").replace(",x", ",-1.4,90"),
             "line 2: `pedestrian_speed_mps` is -1.4; it is a speed in the direction of motion",

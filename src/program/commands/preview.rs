@@ -136,11 +136,18 @@ impl Preview {
         let read = base::files::text(file).map_err(|error| lang::reason(&error));
         let town = read.and_then(|text| opendrive::read(&text, &name).map_err(|error| error.to_string()));
         match town {
-            Ok(parts) => Self {
-                files: vec![file.into()],
-                towns: vec![(name.into_owned(), Arc::new(Town::new(parts)))],
-                ..Self::default()
-            },
+            Ok(parts) => {
+                let town = Town::new(parts);
+                let laneless = town.driving_lanes().is_empty();
+                let problem = format!("error: {}: the map has no driving lane outside junctions", file.display());
+                Self {
+                    problems: Vec::from_iter(laneless.then_some(problem)),
+                    errors: usize::from(laneless),
+                    files: vec![file.into()],
+                    towns: vec![(name.into_owned(), Arc::new(town))],
+                    ..Self::default()
+                }
+            }
             Err(error) => {
                 let problem = format!("error: cannot use the map `{}`: {error}", file.display());
                 self.kept(vec![problem], 1, vec![file.into()])

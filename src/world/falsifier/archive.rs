@@ -20,7 +20,9 @@ use std::collections::{BTreeMap, VecDeque};
 use rand::RngExt;
 
 use super::crossing::{Crossing, Goal};
-use super::{BudgetedSimulation, Falsifier, Homing, Intercept, Searched, WalkPolicy, play};
+use super::{
+    BudgetedSimulation, Controller, Falsifier, FaultStreak, Homing, Intercept, Searched, TrainError, WalkPolicy, play,
+};
 use crate::env::{FailureCell, Scene, Simulation};
 use crate::sim::WalkCommand;
 use base::keys;
@@ -42,9 +44,18 @@ keys! {
         /// Discount for repeated failures from one start, as a fraction of their reward: with 0 a start is left
         /// after its first fault, with 1 more faults of one start count like those of others.
         again: f64 as share() = "0.3",
-        /// Share of the budget that compares what was found with `intercept` and `homing`, to choose the controller.
+        /// Share of the budget that compares what was found with `intercept` and `homing`, and with that of `from`, to choose the controller.
         choice: f64 as within(RATIO, 0.0, 0.5) = "0.1",
+        /// A controller that walks first from every start, such as `hunter` of std/pedestrians.scn.
+        from: Option<DeclarationId> as Reference("controller"),
     }
+}
+
+/// An archive with the controller that walks first from every start.
+#[derive(Debug, Clone)]
+pub struct ArchiveSearch {
+    pub keys: Archive,
+    pub from: Option<Controller>,
 }
 
 /// What matters of a start: where the pedestrian is, and how fast the car.
@@ -94,11 +105,12 @@ struct Proposal {
     expected: f64,
 }
 
-/// A crossing that was tried.
+/// A crossing that was tried, or a walk of another controller.
 #[derive(Debug, Clone, Copy)]
 struct Try {
     context: Context,
-    goal: Goal,
+    /// `None` of another controller.
+    goal: Option<Goal>,
     reward: f64,
     cell: Option<FailureCell>,
     /// What it gained when it was tried.
@@ -229,9 +241,13 @@ impl Elites {
     fn recent(&self) -> Recent {
         let last = || self.memory.iter().rev().take(RECENT_TRIES);
         let sum = |of: fn(&Try) -> f64| last().map(of).sum::<f64>();
-        let (all, own) = (sum(|tried| tried.ticks.1), sum(|tried| tried.ticks.0));
-        let (gain, count) = (sum(|tried| tried.gain), last().count().max(1) as f64);
-        Recent { rate: gain / all.max(1.0), ticks: own / count, gain: gain / count }
+        let of_crossings = |of: fn(&Try) -> f64| last().filter(|tried| tried.goal.is_some()).map(of).sum::<f64>();
+        let count = of_crossings(|_| 1.0).max(1.0);
+        Recent {
+            rate: sum(|tried| tried.gain) / sum(|tried| tried.ticks.1).max(1.0),
+            ticks: of_crossings(|tried| tried.ticks.0) / count,
+            gain: of_crossings(|tried| tried.gain) / count,
+        }
     }
 
     fn remember(&mut self, tried: Try) {
@@ -254,7 +270,7 @@ impl Elites {
             if apart >= REACH {
                 continue;
             }
-            let there = tried.goal.components();
+            let Some(there) = tried.goal.map(|goal| goal.components()) else { continue };
             let gain = self.worth(tried.reward, tried.cell, worth);
             for (goal, (weight, earned)) in goals.iter().zip(&mut sums) {
                 let parts = goal.components().into_iter().zip(there).map(|(a, b)| (a - b) / GOAL_SCALE);
@@ -321,9 +337,23 @@ impl Archive {
         start: u64,
         simulator: &mut BudgetedSimulation<'_>,
         elites: &mut Elites,
+        first: Option<&mut Box<dyn WalkPolicy>>,
         stream: &mut Stream,
     ) -> Option<()> {
         let mut worth = Worth { best: 0.0, again: self.again, novelty: NOVELTY, of_search: true };
+        if let Some(first) = first {
+            if !simulator.begin(start) {
+                return None;
+            }
+            let (context, ready) = (context(&simulator.scene()), simulator.left());
+            let reward = run(simulator, first.as_mut())?;
+            let (left, cell) = (simulator.left(), simulator.cell());
+            let gain = elites.worth(reward, cell, &worth);
+            worth.best = worth.best.max(reward);
+            let ticks = ((ready - left) as f64, (elites.left - left) as f64);
+            elites.left = left;
+            elites.remember(Try { context, goal: None, reward, cell, gain, ticks });
+        }
         for number in 0..self.tries {
             if !simulator.begin(start) {
                 return None;
@@ -352,7 +382,7 @@ impl Archive {
             worth.best = worth.best.max(reward);
             let ticks = ((ready - left) as f64, (elites.left - left) as f64);
             elites.left = left;
-            elites.remember(Try { context, goal, reward, cell, gain, ticks });
+            elites.remember(Try { context, goal: Some(goal), reward, cell, gain, ticks });
             if let Some(parent) = proposal.parent {
                 elites.all[parent].earned += reward.max(0.0);
                 elites.all[parent].tries += 1.0;
@@ -365,44 +395,42 @@ impl Archive {
     }
 }
 
-impl Falsifier for Archive {
+impl Falsifier for ArchiveSearch {
     fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
         let mut stream = seed.child("archive").stream();
+        let mut first = self.from.as_ref().map(Controller::walk_policy);
+        let mut faults = FaultStreak::default();
         let (budget, mut start) = (simulator.left(), 0);
         let mut elites = Elites { left: budget, ..Elites::default() };
-        let kept = (budget as f64 * self.choice) as u64;
+        let kept = (budget as f64 * self.keys.choice) as u64;
         while simulator.left() > kept {
-            if self.search_from(start, simulator, &mut elites, &mut stream).is_none() {
+            let walker = first.as_mut();
+            if self.keys.search_from(start, simulator, &mut elites, walker, &mut stream).is_none() {
                 break;
+            }
+            faults.count(first.as_ref().and_then(|walker| walker.fault()));
+            if let Some(fault) = faults.hopeless() {
+                return Err(TrainError::Controller { fault });
             }
             start += 1;
         }
-        let mut found = Found { elites, crossing: Crossing::new(Goal::INTERCEPT), begun: false };
+        let found = Found { elites, crossing: Crossing::new(Goal::INTERCEPT), begun: false };
+        let mut candidates: Vec<Box<dyn WalkPolicy>> = vec![Box::new(found), Box::new(Intercept), Box::new(Homing)];
+        candidates.extend(first);
         // The same starts for all, one after another.
-        let mut sums = [0.0; 3];
+        let mut sums = vec![0.0; candidates.len()];
         loop {
-            let candidates: [&mut dyn WalkPolicy; 3] = [&mut found, &mut Intercept, &mut Homing];
-            let mut earned = [0.0; 3];
-            let mut complete = true;
-            for (walker, earned) in candidates.into_iter().zip(&mut earned) {
-                let reward = if simulator.begin(start) { run(simulator, walker) } else { None };
-                complete &= reward.is_some();
-                *earned = reward.unwrap_or(0.0);
+            let mut earned = vec![None; candidates.len()];
+            for (walker, earned) in candidates.iter_mut().zip(&mut earned) {
+                *earned = if simulator.begin(start) { run(simulator, walker.as_mut()) } else { None };
             }
-            if !complete {
-                break;
-            }
-            for (sum, earned) in sums.iter_mut().zip(earned) {
-                *sum += earned;
-            }
+            let Some(earned) = earned.into_iter().collect::<Option<Vec<f64>>>() else { break };
+            sums.iter_mut().zip(earned).for_each(|(sum, earned)| *sum += earned);
             start += 1;
         }
-        let chosen: Box<dyn WalkPolicy> = match sums {
-            [ours, intercept, homing] if ours >= intercept.max(homing) => Box::new(found),
-            [_, intercept, homing] if intercept >= homing => Box::new(Intercept),
-            _ => Box::new(Homing),
-        };
-        Ok(Some(chosen))
+        // The first of equal ones.
+        let best = (0..sums.len()).rev().max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or_default();
+        Ok(Some(candidates.swap_remove(best)))
     }
 }
 

@@ -32,7 +32,7 @@ mod archive;
 mod exhaustive;
 mod learning;
 
-pub use archive::Archive;
+pub use archive::{Archive, ArchiveSearch};
 pub use budgeted_simulation::{BudgetedSimulation, SearchOutcome};
 pub use controlled::{Controlled, ControlledKeys, Controller};
 pub use crossing::{Crossing, Goal};

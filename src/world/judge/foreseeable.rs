@@ -55,7 +55,7 @@ impl PedestrianMotion {
 
     /// Measures the pedestrian of a pair at the end of the episode.
     pub fn new(pair: &Pair<'_>) -> Self {
-        let excess = if pair.is_on_map() { ROUNDING } else { OF_RECORDING };
+        let excess = if pair.is_on_map() { 0.0 } else { OF_RECORDING };
         Self { excess, ..Self::of(pair.walking, pair.dt()) }
     }
 
@@ -81,7 +81,7 @@ impl PedestrianMotion {
             peak_acceleration: greatest(&mut apart(half)) / (half as f64 * dt),
             velocity_change: greatest(&mut (1..=second).flat_map(apart)),
             unsteadiness: greatest(&mut means.iter().map(|velocity| (velocity - mean).norm_squared())),
-            excess: ROUNDING,
+            excess: 0.0,
         }
     }
 
@@ -89,13 +89,13 @@ impl PedestrianMotion {
     pub fn is_foreseeable(&self) -> bool {
         let bounds = Self::FORESEEABLE;
         let acceleration = if self.is_fast() { FAST_ACCELERATION } else { bounds.peak_acceleration };
-        self.peak_acceleration <= acceleration + self.excess / HALF_SECOND
-            && self.velocity_change <= bounds.velocity_change + self.excess
+        self.peak_acceleration <= acceleration + ROUNDING + self.excess / HALF_SECOND
+            && self.velocity_change <= bounds.velocity_change + ROUNDING + self.excess
     }
 
     /// Whether it was faster than a pedestrian of 8 km/h, as runners and cyclists are.
     pub fn is_fast(&self) -> bool {
-        self.peak_speed > Self::FORESEEABLE.peak_speed + self.excess
+        self.peak_speed > Self::FORESEEABLE.peak_speed + ROUNDING + self.excess
     }
 
     /// Whether it kept its velocity.

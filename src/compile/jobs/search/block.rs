@@ -146,7 +146,7 @@ impl Lowering<'_> {
             if training.as_ref().is_some_and(|axis| axis.value.shared.is_some()) {
                 self.said.push(diagnostics::shared_search(declaration.block.head));
             }
-            let controller = falsifier::named(arguments, "controller");
+            let controller = falsifier::named(arguments, "controller").or_else(|| falsifier::named(arguments, "from"));
             let named = falsifier::Named {
                 training: training.as_ref().map(|training| training.value.clone()),
                 controller: controller.and_then(|id| self.controller(id)),

@@ -56,6 +56,8 @@ pub struct Retrained {
     pub repeated: usize,
     /// Those whose networks differ.
     pub different: Vec<TrainingKey>,
+    /// The number of trainings of drivers, which are not repeated.
+    pub of_drivers: usize,
 }
 
 impl ReplayedReport {
@@ -136,7 +138,8 @@ fn retrain(source: &Source) -> Retrained {
             different.push(training.key.clone());
         }
     }
-    Retrained { repeated, different }
+    let of_drivers = source.campaign.all::<Training>().filter(|training| training.drive.is_some()).count();
+    Retrained { repeated, different, of_drivers }
 }
 
 /// Prints the result for people; returns the exit code.
@@ -170,6 +173,9 @@ pub fn tell(replayed: &ReplayedReport) -> ExitCode {
         }
         let equal = trainings.repeated - trainings.different.len();
         console::say(&format!("trainings: {} repeated, {equal} equal", trainings.repeated));
+        if trainings.of_drivers > 0 {
+            console::warn(&format!("{} not repeated", console::count(trainings.of_drivers, "training of a driver")));
+        }
     }
     if replayed.is_equal() {
         return ExitCode::Done;

@@ -92,7 +92,7 @@ pub(super) fn in_unit(number: f64, unit: &str) -> Option<f64> {
 
 /// Names a limit (m/s) that is lower or higher than those of roads.
 pub(super) fn note_odd(context: &mut Context, node: Node, limit: f64) {
-    if limit > 0.0 && !(LOW_LIMIT - 1e-9..=NO_LIMIT + 1e-9).contains(&limit) {
+    if limit > 0.0 && limit <= MAX_LIMIT && !(LOW_LIMIT - 1e-9..=NO_LIMIT + 1e-9).contains(&limit) {
         context.count(node, Counted::OddLimit, format!("{:.1}", limit * 3.6));
     }
 }
