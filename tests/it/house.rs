@@ -14,7 +14,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 8_044),
     ("src/process", 880),
     ("src/export", 3_783),
-    ("src/results", 26_025),
+    ("src/results", 26_027),
     ("src/program", 12_391),
     ("tests", 28_324),
 ];
