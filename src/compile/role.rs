@@ -189,11 +189,23 @@ impl Roles {
 
     /// The numbers of a state of the campaign's controllers, if its pedestrian is this one.
     pub fn obs_dim(&self, usual: &PedestrianRole) -> usize {
-        let own = self.pedestrians.iter().filter(|each| each.controller == Controller::External);
         match self.is_empty() {
             true => usual.observation.dim(),
-            false => own.map(|each| each.adversary.as_ref().unwrap_or(usual).observation.dim()).sum(),
+            false => self.controlled(usual).map(|each| each.observation.dim()).sum(),
         }
+    }
+
+    /// Whether all pedestrians that the campaign's controllers move see and choose the same, so that one policy can move each of them.
+    pub fn is_uniform(&self, usual: &PedestrianRole) -> bool {
+        let mut all = self.controlled(usual).map(|each| (&each.observation, &each.action));
+        let first = all.next();
+        all.all(|each| Some(each) == first)
+    }
+
+    /// What the pedestrians that the campaign's controllers move see and choose, if its pedestrian is this one.
+    fn controlled<'a>(&'a self, usual: &'a PedestrianRole) -> impl Iterator<Item = &'a PedestrianRole> {
+        let own = self.pedestrians.iter().filter(|each| each.controller == Controller::External);
+        own.map(move |each| each.adversary.as_ref().unwrap_or(usual))
     }
 }
 

@@ -78,8 +78,7 @@ def seen_from(here, there):
 def spawn(world, actor):
     """Spawns an actor at its first state, 2 m above it, since a place on the ground may count as occupied."""
     blueprint = world.get_blueprint_library().find(actor["blueprint"])
-    if actor["name"] == "ego":
-        blueprint.set_attribute("role_name", "hero")
+    blueprint.set_attribute("role_name", "hero" if actor["name"] == "ego" else actor["name"])
     start = transform(actor, actor["track"][0])
     start.location.z += 2.0
     model = world.spawn_actor(blueprint, start)

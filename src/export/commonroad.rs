@@ -137,6 +137,10 @@ fn document(episode: &Episode, ego: EgoDriver) -> String {
                 write_static(xml, next(), obstacle);
             }
             for actor in &actors[usize::from(ego == EgoDriver::User)..] {
+                // The format has no place for names.
+                if actors.len() > 2 {
+                    xml.comment(&actor.name);
+                }
                 write_dynamic(xml, next(), actor);
             }
             if ego == EgoDriver::User {

@@ -62,7 +62,7 @@ pub(super) struct Motion {
 #[derive(Debug, Clone)]
 pub(super) struct Actor<'a> {
     pub id: ActorId,
-    /// `ego`, `vehicle_1`, …, `pedestrian`, `pedestrian_1`, ….
+    /// Its role in the cast, with a number where others have it, too: `ego`, `child`, `crowd`, `crowd_2`, ….
     pub name: String,
     pub shape: Shape<'a>,
     /// At the start, and after each tick; never empty.
@@ -73,22 +73,31 @@ impl<'a> Episode<'a> {
     /// All actors: the ego, the other vehicles, the pedestrians.
     pub(super) fn actors(&self) -> Vec<Actor<'a>> {
         let Self { scenario, trace, .. } = *self;
+        // ScenarioRunner knows the ego by this name.
+        let mut taken = vec!["hero".to_owned()];
+        let names = scenario.cast.actors().map(|actor| {
+            let role = scenario.cast.name(actor);
+            let other = (2..).map(|number| format!("{role}_{number}"));
+            let mut names = std::iter::once(role.to_string()).chain(other);
+            let name = names.find(|name| !taken.contains(name)).unwrap_or_default();
+            taken.push(name.clone());
+            name
+        });
         let vehicles = scenario.cast.vehicles.iter().enumerate().map(|(number, role)| {
             let states = trace.vehicle(number).iter().map(|frame| {
                 let pose = frame.state.pose;
                 (pose, pose.forward() * frame.state.speed)
             });
-            let name = if number == 0 { "ego".to_owned() } else { format!("vehicle_{number}") };
             let track = track(&scenario.town, states);
-            Actor { id: ActorId::Vehicle(number as u8), name, shape: Shape::Vehicle(&role.blueprint), track }
+            (ActorId::Vehicle(number as u8), Shape::Vehicle(&role.blueprint), track)
         });
         let pedestrians = scenario.cast.pedestrians.iter().enumerate().map(|(number, role)| {
             let states = trace.pedestrian(number).iter().map(|state| (state.pose, state.velocity));
-            let name = if number == 0 { "pedestrian".to_owned() } else { format!("pedestrian_{number}") };
             let track = track(&scenario.town, states);
-            Actor { id: ActorId::Pedestrian(number as u8), name, shape: Shape::Pedestrian(&role.body), track }
+            (ActorId::Pedestrian(number as u8), Shape::Pedestrian(&role.body), track)
         });
-        vehicles.chain(pedestrians).collect()
+        let all = vehicles.chain(pedestrians).zip(names);
+        all.map(|((id, shape, track), name)| Actor { id, name, shape, track }).collect()
     }
 
     /// The pedestrian that the verdict is about: the one that the ego touched, or the first: its place among [`Episode::actors`].

@@ -42,6 +42,12 @@ impl Xml {
         self.put(format_args!("</{name}>\n"));
     }
 
+    /// A comment, without two hyphens in a row.
+    pub fn comment(&mut self, text: &str) {
+        self.indent();
+        self.put(format_args!("<!-- {text} -->\n"));
+    }
+
     /// An element without content.
     pub fn empty(&mut self, name: &str, attributes: Attributes) {
         self.start(name, attributes);

@@ -19,7 +19,7 @@ TICK = 0.05
 
 def replay(esmini, path):
     root = ElementTree.parse(path).getroot()
-    tracks = {}
+    tracks, names = {}, [entity.get("name") for entity in root.iter("ScenarioObject")]
     for track in root.iter("Trajectory"):
         places = [vertex.find(".//WorldPosition") for vertex in track.iter("Vertex")]
         tracks[track.get("name").removeprefix("track_")] = [(float(p.get("x")), float(p.get("y"))) for p in places]
@@ -38,7 +38,7 @@ def replay(esmini, path):
     for line in lines[start + 1 :]:
         values = [value.strip() for value in line.split(",")]
         tick = round(float(values[1]) / TICK)
-        for number, name in ((1, "ego"), (2, "pedestrian")):
+        for number, name in enumerate(names, 1):
             if tick < len(tracks[name]):
                 x, y = (float(values[head.index(f"#{number} World_Position_{axis} [m]")]) for axis in "XY")
                 error = max(error, math.hypot(x - tracks[name][tick][0], y - tracks[name][tick][1]))

@@ -73,6 +73,7 @@ enum Kind {
     Uint64,
     Uint32,
     String,
+    Strings,
     /// A message of the package, by its path.
     Message(&'static str),
     Repeated(&'static str),
@@ -114,6 +115,7 @@ pub fn descriptor() -> FileDescriptorSet {
             ("type", 3, Enum("MovingObject.Type")),
             ("vehicle_attributes", 5, Message("MovingObject.VehicleAttributes")),
             ("vehicle_classification", 6, Message("MovingObject.VehicleClassification")),
+            ("source_reference", 10, Repeated("ExternalReference")),
         ],
     );
     let attributes = [("bbcenter_to_rear", 4, Message("Vector3d")), ("bbcenter_to_front", 5, Message("Vector3d"))];
@@ -141,6 +143,7 @@ pub fn descriptor() -> FileDescriptorSet {
         triple("Vector3d", ["x", "y", "z"]),
         triple("Dimension3d", ["length", "width", "height"]),
         triple("Orientation3d", ["roll", "pitch", "yaw"]),
+        message("ExternalReference", &[("type", 2, Kind::String), ("identifier", 3, Kind::Strings)]),
         message("BaseStationary", &still),
         message("BaseMoving", &moving),
         stationary_object,
@@ -166,7 +169,7 @@ fn field(&(name, number, kind): &Field) -> FieldDescriptor {
         Kind::Double => (1, None),
         Kind::Int64 => (3, None),
         Kind::Uint64 => (4, None),
-        Kind::String => (9, None),
+        Kind::String | Kind::Strings => (9, None),
         Kind::Message(path) | Kind::Repeated(path) => (11, Some(path)),
         Kind::Uint32 => (13, None),
         Kind::Enum(path) => (14, Some(path)),
@@ -174,7 +177,7 @@ fn field(&(name, number, kind): &Field) -> FieldDescriptor {
     FieldDescriptor {
         name: name.to_owned(),
         number,
-        label: if matches!(kind, Kind::Repeated(_)) { REPEATED } else { OPTIONAL },
+        label: if matches!(kind, Kind::Repeated(_) | Kind::Strings) { REPEATED } else { OPTIONAL },
         kind: code,
         type_name: type_name.map(|path| format!(".osi3.{path}")),
     }

@@ -1,6 +1,6 @@
 use super::messages::{
-    Base, Classification, GroundTruth, Identifier, InterfaceVersion, MovingObject, StationaryObject, Timestamp, Triple,
-    VehicleAttributes,
+    Base, Classification, ExternalReference, GroundTruth, Identifier, InterfaceVersion, MovingObject, StationaryObject,
+    Timestamp, Triple, VehicleAttributes,
 };
 use crate::Episode;
 use crate::episode::{Actor, CAR_HEIGHT, Motion, OBSTACLE_HEIGHT, Shape};
@@ -37,13 +37,21 @@ pub fn ground_truth(episode: &Episode, actors: &[Actor], tick: usize, map: &str)
         }),
         host_vehicle: identifier(0),
         stationary_objects: still.map(|(number, own)| obstacle(actors.len() + number, own)).collect(),
-        moving_objects: moving.map(|(number, actor)| moving_object(number, actor, &actor.track[tick])).collect(),
+        moving_objects: moving.map(|(number, actor)| moving_object(number, actor, tick, actors.len() > 2)).collect(),
         map_reference: Some(map.to_owned()),
     }
 }
 
-fn moving_object(number: usize, actor: &Actor, motion: &Motion) -> MovingObject {
+/// An actor after a tick, with the name of its role if it is to be named.
+fn moving_object(number: usize, actor: &Actor, tick: usize, is_named: bool) -> MovingObject {
+    let motion = &actor.track[tick];
     let size = actor.size();
+    let is_vehicle = matches!(actor.id, ActorId::Vehicle(_));
+    // As OSI names an entity of OpenSCENARIO.
+    let source = || ExternalReference {
+        kind: Some("net.asam.openscenario".into()),
+        identifiers: vec![if is_vehicle { "Vehicle" } else { "Pedestrian" }.into(), actor.name.clone()],
+    };
     let axle = |ahead: f64| triple([ahead, 0.0, -CAR_HEIGHT / 2.0]);
     let attributes = match actor.shape {
         Shape::Vehicle(blueprint) => Some(VehicleAttributes {
@@ -60,9 +68,10 @@ fn moving_object(number: usize, actor: &Actor, motion: &Motion) -> MovingObject 
             orientation: triple([0.0, 0.0, motion.pose.yaw]),
             velocity: triple([motion.velocity.x, motion.velocity.y, 0.0]),
         }),
-        kind: Some(if matches!(actor.id, ActorId::Vehicle(_)) { VEHICLE } else { PEDESTRIAN }),
+        kind: Some(if is_vehicle { VEHICLE } else { PEDESTRIAN }),
         classification: attributes.map(|_| Classification { kind: Some(MEDIUM_CAR) }),
         attributes,
+        sources: is_named.then(source).into_iter().collect(),
     }
 }
 

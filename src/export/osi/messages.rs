@@ -76,6 +76,16 @@ pub struct MovingObject {
     pub attributes: Option<VehicleAttributes>,
     #[prost(message, optional, tag = "6")]
     pub classification: Option<Classification>,
+    #[prost(message, repeated, tag = "10")]
+    pub sources: Vec<ExternalReference>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+pub struct ExternalReference {
+    #[prost(string, optional, tag = "2")]
+    pub kind: Option<String>,
+    #[prost(string, repeated, tag = "3")]
+    pub identifiers: Vec<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, Message)]

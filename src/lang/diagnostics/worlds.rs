@@ -30,10 +30,10 @@ pub fn unshared_policy(span: Span) -> Diagnostic {
     contradiction(span, message.into()).help("give the trained roles of the cast one adversary, or leave `shared` out")
 }
 
-/// A search is to learn a policy of which each pedestrian has a part.
-pub fn shared_search(span: Span) -> Diagnostic {
-    contradiction(span, "a search learns one policy for all pedestrians at once, and its training has `shared`".into())
-        .help("give the falsifier a `training` without `shared`")
+/// A search is to learn what each pedestrian adds.
+pub fn removal_search(span: Span) -> Diagnostic {
+    let message = "`shared: removal` runs episodes again, in ticks that the budget of a search does not have";
+    contradiction(span, message.into()).help("give the falsifier a `training` with `shared: team` or `shared: own`")
 }
 
 /// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.

@@ -129,6 +129,12 @@ impl Cast {
         }
     }
 
+    /// The role of a pedestrian: the number of the first with its name.
+    pub fn role(&self, pedestrian: usize) -> u8 {
+        let name = &self.pedestrians[pedestrian].name;
+        self.pedestrians.iter().position(|each| each.name == *name).unwrap_or(pedestrian) as u8
+    }
+
     /// All actors: the vehicles, then the pedestrians.
     pub fn actors(&self) -> impl Iterator<Item = ActorId> + use<> {
         let (vehicles, pedestrians) = (self.vehicles.len() as u8, self.pedestrians.len() as u8);
@@ -146,13 +152,6 @@ impl Cast {
             Some((_, role)) => (role.observation.dim(), role.action.bounds().to_vec()),
             None => (self.obs_dim(), self.action_bounds()),
         }
-    }
-
-    /// Whether all controlled pedestrians see and choose the same, so that one policy can move each of them.
-    pub fn is_uniform(&self) -> bool {
-        let mut roles = self.controlled().map(|(_, role)| (&role.observation, &role.action));
-        let first = roles.next();
-        roles.all(|role| Some(role) == first)
     }
 
     /// The bounds of a joint action: those of all controlled pedestrians, one after another.

@@ -77,6 +77,13 @@ pub struct FailureCell {
     pub pace: u8,
     /// The driver's action at the touch.
     pub mode: DrivingMode,
+    /// The pedestrian's role in the cast, by the number of its first member.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub role: u8,
+}
+
+fn is_first(role: &u8) -> bool {
+    *role == 0
 }
 
 impl FailureCell {
@@ -90,25 +97,29 @@ impl FailureCell {
         if scene.scenario.criterion.requirement().is_some() {
             let moment = moment?;
             let met = ((moment.place.x, moment.place.y), moment.speed);
-            return Some(Self::of(met, (&ego.blueprint, moment.yaw), moment.velocity, moment.mode));
+            let role = scene.scenario.cast.role(moment.pedestrian);
+            return Some(Self::of(met, (&ego.blueprint, moment.yaw), moment.velocity, moment.mode, role));
         }
         let contact = scene.hit()?;
-        let walker = &scene.world.pedestrians[contact.pedestrian_at_ego()?].state;
-        Some(Self::of(met(contact), (&ego.blueprint, ego.state.pose.yaw), walker.velocity, outcome.last_mode))
+        let number = contact.pedestrian_at_ego()?;
+        let (walker, role) = (&scene.world.pedestrians[number].state, scene.scenario.cast.role(number));
+        let car = (&ego.blueprint, ego.state.pose.yaw);
+        Some(Self::of(met(contact), car, walker.velocity, outcome.last_mode, role))
     }
 
     /// The cell of the touch that ended a traced episode with this mode of the driver, or of the frame that violates its goal; `None` if the two did not
     /// touch, or the goal is not violated.
     pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
+        let role = pair.scenario.cast.role(pair.pedestrian_number());
         if let Some(goal) = pair.scenario.criterion.requirement() {
             let degree = pair.degrees().get(goal).filter(|degree| degree.is_violated())?;
             let Frame { ego, pedestrian, mode, .. } = pair.frame(degree.sample as usize);
             let place = ego.pose.to_local(pedestrian.pose.position());
             let met = ((place.x, place.y), ego.speed);
-            return Some(Self::of(met, (pair.blueprint, ego.pose.yaw), pedestrian.velocity, mode));
+            return Some(Self::of(met, (pair.blueprint, ego.pose.yaw), pedestrian.velocity, mode, role));
         }
         let (contact, last) = (pair.contact?, pair.last()?);
-        Some(Self::of(met(contact), (pair.blueprint, last.ego.pose.yaw), last.pedestrian.velocity, mode))
+        Some(Self::of(met(contact), (pair.blueprint, last.ego.pose.yaw), last.pedestrian.velocity, mode, role))
     }
 
     /// The cell of a pedestrian at this place, ahead and to the left of the middle of the ego (m), of this velocity (m/s), and of the ego of this speed
@@ -118,6 +129,7 @@ impl FailureCell {
         (car, yaw): (&VehicleBlueprint, f64),
         velocity: Vector,
         mode: DrivingMode,
+        role: u8,
     ) -> Self {
         let (half_length, half_width) = (car.half_length, car.half_width);
         let side = |front, behind| if ahead > 0.0 { front } else { behind };
@@ -142,6 +154,7 @@ impl FailureCell {
             impact: class(impact_speed, IMPACT),
             pace: class(speed, PACE),
             mode,
+            role,
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct Moment {
     pub velocity: Vector,
     /// The driver's action.
     pub mode: DrivingMode,
+    /// The number of the pedestrian.
+    pub pedestrian: usize,
 }
 
 impl RequirementWatch {
@@ -82,6 +84,7 @@ impl RequirementWatch {
                 velocity: walker.velocity,
                 // Nothing was done before the start.
                 mode: if scene.world.ticks == 0 { DrivingMode::default() } else { scene.actions.modes[0] },
+                pedestrian,
             });
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! The reward of a start is that of its worst failure; a further failure counts a share of it (`again`), the less the more its cell has earned.
 //!
-//! A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three factors: how near the start
+//! A crossing is a [`Goal`] of six numbers for each pedestrian, carried out in closed loop by [`Crossing`]. A variation of several changes that of one. An elite is drawn by three factors: how near the start
 //! is to the one where it was found, what its variations have earned since, and how little its cell has earned. A failure *gains* less
 //! the more its cell has earned before. So the search neither finds one fault a thousand times nor leaves what works.
 //!
@@ -76,11 +76,25 @@ fn kernel(a: &Context, b: &Context) -> f64 {
     1.0 / (1.0 + squares.sum::<f64>())
 }
 
+/// Goals drawn uniformly.
+fn uniform(pedestrians: usize, stream: &mut Stream) -> Vec<Goal> {
+    (0..pedestrians).map(|_| Goal::new(std::array::from_fn(|_| stream.random()))).collect()
+}
+
+/// The square of the distance of goals in [`GOAL_SCALE`], a mean over the pedestrians.
+fn mean_square(some: &[Goal], others: &[Goal]) -> f64 {
+    let square = |(a, b): (&Goal, &Goal)| {
+        let parts = a.components().into_iter().zip(b.components()).map(|(a, b)| (a - b) / GOAL_SCALE);
+        parts.map(|part| part * part).sum::<f64>()
+    };
+    some.iter().zip(others).map(square).sum::<f64>() / some.len() as f64
+}
+
 /// A crossing that ended in a failure.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Elite {
     context: Context,
-    goal: Goal,
+    goals: Vec<Goal>,
     cell: FailureCell,
     /// What it earned itself.
     reward: f64,
@@ -96,9 +110,9 @@ impl Elite {
     }
 }
 
-/// A goal for a start.
+/// The goals of the pedestrians for a start.
 struct Proposal {
-    goal: Goal,
+    goals: Vec<Goal>,
     /// The elite that it varies.
     parent: Option<usize>,
     /// What it can be expected to gain.
@@ -106,11 +120,11 @@ struct Proposal {
 }
 
 /// A crossing that was tried, or a walk of another controller.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Try {
     context: Context,
-    /// `None` of another controller.
-    goal: Option<Goal>,
+    /// Empty of another controller.
+    goals: Vec<Goal>,
     reward: f64,
     cell: Option<FailureCell>,
     /// What it gained when it was tried.
@@ -122,6 +136,8 @@ struct Try {
 /// The elites, what each cell has earned, and the last tries.
 #[derive(Debug, Clone, Default)]
 struct Elites {
+    /// The number of pedestrians that cross.
+    pedestrians: usize,
     all: Vec<Elite>,
     earned: BTreeMap<FailureCell, f64>,
     memory: VecDeque<Try>,
@@ -241,7 +257,7 @@ impl Elites {
     fn recent(&self) -> Recent {
         let last = || self.memory.iter().rev().take(RECENT_TRIES);
         let sum = |of: fn(&Try) -> f64| last().map(of).sum::<f64>();
-        let of_crossings = |of: fn(&Try) -> f64| last().filter(|tried| tried.goal.is_some()).map(of).sum::<f64>();
+        let of_crossings = |of: fn(&Try) -> f64| last().filter(|tried| !tried.goals.is_empty()).map(of).sum::<f64>();
         let count = of_crossings(|_| 1.0).max(1.0);
         Recent {
             rate: sum(|tried| tried.gain) / sum(|tried| tried.ticks.1).max(1.0),
@@ -261,38 +277,39 @@ impl Elites {
     }
 
     /// What goals can be expected to be worth at a start: a mean over similar tries at similar starts, weighted by a biweight kernel.
-    fn expect<const N: usize>(&self, context: &Context, goals: &[Goal; N], worth: &Worth) -> [f64; N] {
+    fn expect(&self, context: &Context, candidates: &[Vec<Goal>], worth: &Worth) -> Vec<f64> {
         let prior = if worth.of_search { self.recent().gain } else { 0.0 };
-        let mut sums = [(PRIOR, PRIOR * prior); N];
+        let mut sums = vec![(PRIOR, PRIOR * prior); candidates.len()];
         for tried in &self.memory {
             let parts = context.iter().zip(&tried.context).zip(SCALES).map(|((a, b), scale)| (a - b) / scale);
             let apart: f64 = parts.map(|part| part * part).sum();
             if apart >= REACH {
                 continue;
             }
-            let Some(there) = tried.goal.map(|goal| goal.components()) else { continue };
+            if tried.goals.is_empty() {
+                continue;
+            }
             let gain = self.worth(tried.reward, tried.cell, worth);
-            for (goal, (weight, earned)) in goals.iter().zip(&mut sums) {
-                let parts = goal.components().into_iter().zip(there).map(|(a, b)| (a - b) / GOAL_SCALE);
-                let share = 1.0 - (apart + parts.map(|part| part * part).sum::<f64>()) / REACH;
+            for (goals, (weight, earned)) in candidates.iter().zip(&mut sums) {
+                let share = 1.0 - (apart + mean_square(goals, &tried.goals)) / REACH;
                 if share > 0.0 {
                     *weight += share * share;
                     *earned += share * share * gain;
                 }
             }
         }
-        sums.map(|(weight, earned)| earned / weight)
+        sums.into_iter().map(|(weight, earned)| earned / weight).collect()
     }
 
-    /// The goal with the highest predicted gain at a start: one of an elite, or of a scripted controller.
-    fn best(&self, context: &Context) -> Goal {
+    /// The goals with the highest predicted gain at a start: those of an elite, or of a scripted controller.
+    fn best(&self, context: &Context) -> Vec<Goal> {
         let predicted = |elite: &Elite| kernel(context, &elite.context) * elite.value();
-        let mut order: Vec<(f64, Goal)> = self.all.iter().map(|elite| (predicted(elite), elite.goal)).collect();
+        let mut order: Vec<(f64, &Elite)> = self.all.iter().map(|elite| (predicted(elite), elite)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let elites = order.into_iter().map(|(_, goal)| goal);
-        let fallback = std::iter::repeat(Goal::INTERCEPT);
-        let mut finalists = FIXED.into_iter().chain(elites).chain(fallback);
-        let candidates: [Goal; FINALISTS] = std::array::from_fn(|_| finalists.next().expect("it repeats"));
+        let elites = order.into_iter().map(|(_, elite)| elite.goals.clone());
+        let fixed = FIXED.map(|goal| vec![goal; self.pedestrians]);
+        let fallback = std::iter::repeat_with(|| vec![Goal::INTERCEPT; self.pedestrians]);
+        let candidates: Vec<_> = fixed.into_iter().chain(elites).chain(fallback).take(FINALISTS).collect();
         let expected = self.expect(context, &candidates, &Worth::default());
         let best = expected.iter().zip(candidates).max_by(|a, b| a.0.total_cmp(b.0));
         best.expect("there are finalists").1
@@ -306,29 +323,31 @@ impl Archive {
         let parent = if explore { None } else { elites.draw(context, NOVELTY, stream) };
         let Some(parent) = parent else {
             // Before the first failure two thirds of the tries are those of the scripted controllers.
-            let uniform = Goal::new(std::array::from_fn(|_| stream.random()));
+            let uniform = uniform(elites.pedestrians, stream);
             let fixed = FIXED.get(stream.random_range(0..=FIXED.len())).filter(|_| !explore);
-            let goal = *fixed.unwrap_or(&uniform);
-            return Proposal { goal, parent: None, expected: elites.expect(context, &[goal], worth)[0] };
+            let goals = fixed.map_or(uniform, |fixed| vec![*fixed; elites.pedestrians]);
+            let expected = elites.expect(context, std::slice::from_ref(&goals), worth)[0];
+            return Proposal { goals, parent: None, expected };
         };
         let mut parents = [parent; CANDIDATES];
         for other in &mut parents[1..] {
             *other = elites.draw(context, NOVELTY, stream).unwrap_or(parent);
         }
-        let goals = parents.map(|parent| {
-            let varied =
-                elites.all[parent].goal.components().map(|share| share + self.spread * standard_normal(stream));
-            Goal::new(varied)
-        });
+        let vary = |parent: usize| {
+            let mut goals = elites.all[parent].goals.clone();
+            let varied = if goals.len() > 1 { stream.random_range(0..goals.len()) } else { 0 };
+            goals[varied] =
+                Goal::new(goals[varied].components().map(|share| share + self.spread * standard_normal(stream)));
+            goals
+        };
+        let mut goals: Vec<Vec<Goal>> = parents.into_iter().map(vary).collect();
         // The scripted controllers and crossings drawn uniformly compete with the variations.
-        let others: [Goal; STRANGERS] = std::array::from_fn(|_| Goal::new(std::array::from_fn(|_| stream.random())));
-        let mut all = goals.into_iter().chain(FIXED).chain(others);
-        let goals: [Goal; CANDIDATES + FIXED.len() + STRANGERS] =
-            std::array::from_fn(|_| all.next().expect("there are as many"));
+        goals.extend(FIXED.map(|goal| vec![goal; elites.pedestrians]));
+        goals.extend((0..STRANGERS).map(|_| uniform(elites.pedestrians, stream)));
         let expected = elites.expect(context, &goals, worth);
         let best = (0..goals.len()).max_by(|a, b| expected[*a].total_cmp(&expected[*b]));
         let best = best.expect("there are candidates");
-        Proposal { goal: goals[best], parent: parents.get(best).copied(), expected: expected[best] }
+        Proposal { goals: goals.swap_remove(best), parent: parents.get(best).copied(), expected: expected[best] }
     }
 
     /// Tries crossings from one start while their expected gain per tick exceeds the recent gain of the search; `None` if the budget is used up.
@@ -352,7 +371,7 @@ impl Archive {
             worth.best = worth.best.max(reward);
             let ticks = ((ready - left) as f64, (elites.left - left) as f64);
             elites.left = left;
-            elites.remember(Try { context, goal: None, reward, cell, gain, ticks });
+            elites.remember(Try { context, goals: Vec::new(), reward, cell, gain, ticks });
         }
         for number in 0..self.tries {
             if !simulator.begin(start) {
@@ -361,7 +380,7 @@ impl Archive {
             let context = context(&simulator.scene());
             let begins = elites.memory.len() < FIRST_TRIES;
             let proposal = match begins && number == 0 && stream.random::<f64>() >= self.explore {
-                true => Proposal { goal: Goal::INTERCEPT, parent: None, expected: 0.0 },
+                true => Proposal { goals: vec![Goal::INTERCEPT; elites.pedestrians], parent: None, expected: 0.0 },
                 false => self.propose(elites, &context, &worth, stream),
             };
             let Recent { rate, ticks, .. } = elites.recent();
@@ -372,9 +391,8 @@ impl Archive {
             if leaves {
                 return Some(());
             }
-            let goal = proposal.goal;
             let ready = simulator.left();
-            let reward = run(simulator, &mut Crossing::new(goal))?;
+            let reward = run(simulator, &mut Crossing::joint(&proposal.goals))?;
             let left = simulator.left();
             let cell = simulator.cell();
             let gain = elites.worth(reward, cell, &worth);
@@ -382,13 +400,14 @@ impl Archive {
             worth.best = worth.best.max(reward);
             let ticks = ((ready - left) as f64, (elites.left - left) as f64);
             elites.left = left;
-            elites.remember(Try { context, goal: Some(goal), reward, cell, gain, ticks });
+            let goals = proposal.goals;
+            elites.remember(Try { context, goals: goals.clone(), reward, cell, gain, ticks });
             if let Some(parent) = proposal.parent {
                 elites.all[parent].earned += reward.max(0.0);
                 elites.all[parent].tries += 1.0;
             }
             if let Some(cell) = cell.filter(|_| reward > 0.0) {
-                elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 });
+                elites.add(Elite { context, goals, cell, reward, earned: 0.0, tries: 0.0 });
             }
         }
         Some(())
@@ -401,7 +420,8 @@ impl Falsifier for ArchiveSearch {
         let mut first = self.from.as_ref().map(Controller::walk_policy);
         let mut faults = FaultStreak::default();
         let (budget, mut start) = (simulator.left(), 0);
-        let mut elites = Elites { left: budget, ..Elites::default() };
+        let pedestrians = simulator.scenario().cast.controlled().count();
+        let mut elites = Elites { pedestrians, left: budget, ..Elites::default() };
         let kept = (budget as f64 * self.keys.choice) as u64;
         while simulator.left() > kept {
             let walker = first.as_mut();
@@ -457,7 +477,7 @@ impl WalkPolicy for Found {
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         if !self.begun {
             self.begun = true;
-            self.crossing = Crossing::new(self.elites.best(&context(scene)));
+            self.crossing = Crossing::joint(&self.elites.best(&context(scene)));
         }
         self.crossing.choose(scene, commands);
     }

@@ -1,3 +1,4 @@
+use super::training::Agents;
 use super::{ActionMode, BudgetedSimulation, Falsifier, Searched, TrainedWalker};
 use crate::env::Simulation;
 use base::keys;
@@ -18,7 +19,8 @@ keys! {
 /// Learning by PPO as a falsifier: the failures are those of the training.
 ///
 /// The budget replaces the training's number of steps; schedules end with the decisions that fit into it. Several environments have equal
-/// shares of the budget. An update is discarded if the first share is used up in it.
+/// shares of the budget. An update is discarded if the first share is used up in it. A policy that pedestrians share earns as a team, or each its own
+/// touch: what an episode earns without one of them takes ticks that the budget does not have.
 #[derive(Debug, Clone)]
 pub struct Learning(pub PpoConfig);
 
@@ -26,17 +28,27 @@ pub struct Learning(pub PpoConfig);
 /// What is learnt from such episodes is discarded.
 struct Ground<'a> {
     share: BudgetedSimulation<'a>,
+    /// `None` if one agent moves all pedestrians.
+    agents: Option<Agents>,
     next: u64,
     stride: u64,
 }
 
 impl Env for Ground<'_> {
+    fn agents(&self) -> usize {
+        self.agents.as_ref().map_or(1, Agents::count)
+    }
+
     fn obs_dim(&self) -> usize {
-        self.share.scenario().cast.obs_dim()
+        self.share.scenario().cast.policy_dims(self.agents.is_some()).0
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
-        self.share.scene().bounds().to_vec()
+        self.share.scenario().cast.policy_dims(self.agents.is_some()).1
+    }
+
+    fn credit(&self, agent: usize, reward: f64) -> f64 {
+        self.agents.as_ref().map_or(reward, |agents| agents.earned(agent))
     }
 
     fn reset(&mut self, state: &mut [f64]) {
@@ -48,7 +60,11 @@ impl Env for Ground<'_> {
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
         let step = self.share.act(action);
         self.share.scene().write_state(state);
-        step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false })
+        let step = step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false });
+        if let Some(agents) = &mut self.agents {
+            agents.step(step.reward, &self.share, &[]);
+        }
+        step
     }
 
     fn is_success(&self) -> bool {
@@ -71,8 +87,9 @@ impl Falsifier for Learning {
         let run_up = u64::from(scenario.most_run_up());
         let stride = self.0.environments as u64;
         let shares = simulator.shares(stride);
+        let agents = || self.0.shared.map(|credit| Agents::new(&cast, credit));
         let mut grounds: Vec<Ground<'_>> =
-            (0..).zip(shares).map(|(next, share)| Ground { share, next, stride }).collect();
+            (0..).zip(shares).map(|(next, share)| Ground { share, agents: agents(), next, stride }).collect();
         let config = PpoConfig { steps: (simulator.left() / hold).max(1), ..self.0.clone() };
         let trained = train(&mut grounds, &config, hold + run_up, seed);
         simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());

@@ -10,6 +10,7 @@ use base::keys;
 use base::signature::{DeclarationId, Keys};
 use lang::diagnostics;
 use lang::hir::Block;
+use learn::Credit;
 use world::env::{Criterion, PedestrianRole, RewardRule, Scenario};
 use world::falsifier::Falsifier;
 use world::requirement::NamedRequirement;
@@ -124,27 +125,31 @@ impl Lowering<'_> {
         body: &Axis<PedestrianRole>,
         usual: &Usual,
     ) -> Vec<Rival> {
-        let (state, usual) = (usual.roles.obs_dim(&body.value), usual.training.as_ref());
+        let (state, roles, usual) = (usual.roles.obs_dim(&body.value), &usual.roles, usual.training.as_ref());
         let mut rivals = Vec::new();
         for id in ids {
             let declaration = self.program.get(*id);
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
-                Some(id) => Some(self.training(id, state, 1)),
+                Some(id) => Some(self.training(id, state, roles.agents())),
                 // Its first networks were checked for the campaign's pedestrian, who may have other states.
                 None => usual.map(|axis| match axis.value.from.as_ref().and_then(|from| from.networks.as_ref()) {
                     Some(first) if first.obs_dim() != state * axis.value.frame_stack => {
-                        self.training(axis.id, state, 1)
+                        self.training(axis.id, state, roles.agents())
                     }
                     _ => axis.clone(),
                 }),
             };
-            if training.is_none() && falsifier::learns(&self.catalog.falsifiers, declaration) {
+            let learns = falsifier::learns(&self.catalog.falsifiers, declaration);
+            if training.is_none() && learns {
                 self.said.push(diagnostics::no_training(at.campaign.head, declaration.block.head));
                 continue;
             }
-            if training.as_ref().is_some_and(|axis| axis.value.shared.is_some()) {
-                self.said.push(diagnostics::shared_search(declaration.block.head));
+            let shared = training.as_ref().and_then(|axis| axis.value.shared);
+            if learns && shared.is_some() && !roles.is_uniform(&body.value) {
+                self.said.push(diagnostics::unshared_policy(declaration.block.head));
+            } else if learns && shared == Some(Credit::Removal) {
+                self.said.push(diagnostics::removal_search(declaration.block.head));
             }
             let controller = falsifier::named(arguments, "controller").or_else(|| falsifier::named(arguments, "from"));
             let named = falsifier::Named {

@@ -65,7 +65,7 @@ impl Lowering<'_> {
                 let scenario_of = |place: &Place<'_>| usual.scenario(place, &body, &reward.value, &[].into());
                 let scenarios: Vec<_> =
                     places.iter().map(|place| (place.town.name.to_string(), scenario_of(place))).collect();
-                if config.shared.is_some() && !scenarios[0].1.cast.is_uniform() {
+                if config.shared.is_some() && !usual.roles.is_uniform(&body.value) {
                     return self.said.push(diagnostics::unshared_policy(at.block.head));
                 }
                 let is_program = |place: &Place<'_>| self.program.get(place.policy.id).kind == ExternalKeys::KIND;

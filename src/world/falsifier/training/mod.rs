@@ -2,11 +2,13 @@
 
 mod train_error;
 mod start_bank;
+mod agents;
 mod pedestrian_env;
 mod training_ground;
 mod hard_start;
 mod training_run;
 
+pub(super) use agents::Agents;
 pub use pedestrian_env::PedestrianEnv;
 pub use start_bank::{HardStarts, StartBank};
 pub use train_error::TrainError;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
-use super::StartBank;
-use crate::env::{Controller, Draw, Ending, Simulation};
+use super::{Agents, StartBank};
+use crate::env::{Controller, Draw, Simulation};
 use crate::falsifier::FaultStreak;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
@@ -24,17 +24,6 @@ pub struct PedestrianEnv {
     faults: FaultStreak,
     /// The agents; `None` if one chooses for all pedestrians.
     agents: Option<Agents>,
-}
-
-/// One agent for each controlled pedestrian.
-struct Agents {
-    credit: Credit,
-    /// The numbers of their pedestrians.
-    pedestrians: Vec<usize>,
-    /// The start of the running episode; `None` if it cannot be copied.
-    start: Option<Box<dyn Simulation>>,
-    /// What each earned in the last step, beside the reward of all.
-    earned: Vec<f64>,
 }
 
 /// A running episode up to now, with all data to repeat it.
@@ -69,12 +58,9 @@ impl PedestrianEnv {
         }
     }
 
-    /// The same environment with an agent for each controlled pedestrian, if that is wanted. Where the start of an episode cannot be copied, removal
-    /// pays as a team.
+    /// The same environment with an agent for each controlled pedestrian, if that is wanted.
     pub fn with_agents(mut self, credit: Option<Credit>) -> Self {
-        let pedestrians: Vec<usize> = self.simulation.scenario().cast.controlled().map(|(number, _)| number).collect();
-        let earned = vec![0.0; pedestrians.len()];
-        self.agents = credit.map(|credit| Agents { credit, pedestrians, start: None, earned });
+        self.agents = credit.map(|credit| Agents::new(&self.simulation.scenario().cast, credit));
         self
     }
 
@@ -106,8 +92,8 @@ impl PedestrianEnv {
         }
         self.next_episode = number + 1;
         self.decisions.clear();
-        if let Some(agents) = self.agents.as_mut().filter(|agents| agents.credit == Credit::Removal) {
-            agents.start = self.simulation.snapshot();
+        if let Some(agents) = &mut self.agents {
+            agents.begin(&*self.simulation);
         }
     }
 
@@ -118,29 +104,10 @@ impl PedestrianEnv {
         if let Some(outcome) = self.simulation.outcome() {
             self.faults.count(outcome.fault());
         }
-        self.give_credit(step);
-        step
-    }
-
-    /// Works out what each agent earned in a step.
-    fn give_credit(&mut self, Step { reward, .. }: Step) {
-        let Some(agents) = &mut self.agents else { return };
-        agents.earned.fill(reward);
-        let Some(outcome) = self.simulation.outcome() else { return };
-        match (agents.credit, outcome.ending) {
-            (Credit::Own, Ending::Touch { pedestrian, .. }) => {
-                for (earned, number) in agents.earned.iter_mut().zip(&agents.pedestrians) {
-                    *earned = if *number == usize::from(pedestrian) { reward } else { 0.0 };
-                }
-            }
-            (Credit::Removal, _) => {
-                for (earned, number) in agents.earned.iter_mut().zip(&agents.pedestrians) {
-                    let without = agents.start.as_ref().and_then(|start| start.snapshot_without(*number));
-                    *earned -= without.map_or(0.0, |rest| reward_of(rest, &self.decisions));
-                }
-            }
-            (Credit::Team | Credit::Own, _) => {}
+        if let Some(agents) = &mut self.agents {
+            agents.step(step.reward, &*self.simulation, &self.decisions);
         }
+        step
     }
 
     /// Repeats an episode up to the recorded point, and returns whether it led to the same state.
@@ -169,21 +136,9 @@ impl PedestrianEnv {
     }
 }
 
-/// The reward of an episode that goes on with these commands; the last ones are kept until it ends.
-fn reward_of(mut simulation: Box<dyn Simulation>, decisions: &[WalkCommand]) -> f64 {
-    let each = simulation.scenario().cast.pedestrians.len();
-    let mut decisions = decisions.chunks(each);
-    let mut commands: &[WalkCommand] = &[];
-    while simulation.outcome().is_none() {
-        commands = decisions.next().unwrap_or(commands);
-        simulation.carry_out(commands);
-    }
-    simulation.outcome().map_or(0.0, |outcome| outcome.reward)
-}
-
 impl Env for PedestrianEnv {
     fn agents(&self) -> usize {
-        self.agents.as_ref().map_or(1, |agents| agents.pedestrians.len())
+        self.agents.as_ref().map_or(1, Agents::count)
     }
 
     fn obs_dim(&self) -> usize {
@@ -195,7 +150,7 @@ impl Env for PedestrianEnv {
     }
 
     fn credit(&self, agent: usize, reward: f64) -> f64 {
-        self.agents.as_ref().map_or(reward, |agents| agents.earned[agent])
+        self.agents.as_ref().map_or(reward, |agents| agents.earned(agent))
     }
 
     fn reset(&mut self, state: &mut [f64]) {
