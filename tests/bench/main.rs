@@ -99,6 +99,41 @@ fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
     bencher.counter(ItemsCount::new(ticks)).bench_local(run);
 }
 
+/// Ticks of one car and one pedestrian, and of four cars and twelve pedestrians.
+#[divan::bench(args = ["pair", "crowd"], sample_count = 20)]
+fn casts(bencher: Bencher<'_, '_>, campaign: &str) {
+    let plan = plan_of(CASTS);
+    let found = plan.campaigns.iter().find(|each| each.name == campaign).expect("it is one of the two");
+    episodes_of(bencher, &found.nth::<compile::Evaluation>(0).scenario, 20);
+}
+
+/// Two campaigns in one street.
+const CASTS: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+town street {
+  traffic_lights: false
+  street main { through: [(0 m, 0 m), (200 m, 0 m), (400 m, 0 m)]  speed_limit: 50 km/h }
+}
+spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
+campaign pair {
+  vehicle: model3  adversary: suicidal  spawn: near  episode: thirty_seconds
+  evaluate { towns: [street]  policies: [idm]  pedestrians: [random] }
+}
+campaign crowd {
+  vehicle: model3  adversary: suicidal  spawn: near  episode: thirty_seconds
+  cast {
+    first: pedestrian()
+    crowd: pedestrian(count: 11)
+    behind: vehicle(policy: idm, behind: ego, gap: 1 s .. 2 s)
+    front: vehicle(policy: idm, distance: 30 m .. 40 m)
+    van: vehicle(distance: 12 m .. 20 m, aside: -3.2 m)
+  }
+  evaluate { towns: [street]  policies: [idm]  pedestrians: [random] }
+}
+"#;
+
 /// An evaluation against CARLA's agent: without analysis of its episodes, with their verdicts, and with near misses as in a
 /// campaign; counted in simulator ticks.
 #[divan::bench(args = ["nothing", "verdicts", "near_misses", "both"], sample_count = 20)]

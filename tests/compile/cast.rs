@@ -1,11 +1,12 @@
 //! Two cars and two pedestrians in one world: which pairs touch, what each driver knows, and what is recorded.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use base::seed::Seed;
-use base::signature::Distribution;
+use base::signature::{DeclarationId, Distribution};
 use compile::{Catalog, Plan, compile};
 use learn::{Credit, Env, PpoConfig};
 use world::av::{DrivingMode, PerfectSensors};
@@ -15,10 +16,10 @@ use world::env::{
     PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out,
 };
 use world::falsifier::{
-    ActionMode, BudgetedSimulation, Failure, Intercept, PedestrianEnv, Random, TrainedWalker, TrainingRun, WalkPolicy,
-    evaluate, follow, play,
+    ActionMode, Archive, BudgetedSimulation, Failure, Falsifier, Forces, Gaps, Intercept, Learning, Natural,
+    NaturalKeys, PedestrianEnv, Random, Recording, TrainedWalker, TrainingRun, WalkPolicy, evaluate, follow, play,
 };
-use world::geometry::{Obstacles, Pose};
+use world::geometry::{Obstacles, Point, Pose};
 use world::judge::{Class, NearMiss, judge};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
 
@@ -670,6 +671,68 @@ fn one_policy_learns_for_all_pedestrians_and_is_that_of_one_where_there_is_one()
     let state = begun.state(&std::collections::BTreeMap::new());
     let again = TrainingRun::resume(&state, std::slice::from_ref(&both), None, 2, &shared, seed).unwrap();
     assert_eq!(again.carry_on(&mut |_| ControlFlow::Continue(())).unwrap().actor_critic, policy);
+}
+
+#[test]
+fn a_search_gives_each_pedestrian_a_goal_of_its_own_and_cells_name_the_role_that_was_hit() {
+    let beside = ActorStart::standing(Pose::new(85.0, 3.0, 0.0));
+    let mut both = two_and_two("blind", ("blind", ahead(80.0)), (beside, Controller::External));
+    both.cast.pedestrians[1].name = "second".into();
+    (both.spawn.bearing, both.spawn.distance) = (Distribution::Constant(-0.2), Distribution::Constant(25.0));
+    let both = Arc::new(both);
+    let search = |falsifier: &dyn Falsifier, scenario: &Arc<Scenario>| {
+        let mut simulator = BudgetedSimulation::new(scenario.clone(), Seed::root(6), 60_000, &|| false);
+        falsifier.search(&mut simulator, &Seed::root(7)).unwrap();
+        simulator.into_spent()
+    };
+    let reward = DeclarationId(0);
+    let archive = Archive { reward, explore: 0.1, spread: 0.1, tries: 32, again: 0.3, choice: 0.1 };
+    let found = search(&archive, &both).failures;
+    let roles: BTreeSet<u8> = found.iter().map(|failure| failure.cell.role).collect();
+    assert_eq!(roles, BTreeSet::from([0, 1]));
+    let differ = |failure: &Failure| failure.commands.chunks(2).any(|each| each[0].speed != each[1].speed);
+    assert!(found.iter().any(differ), "each has a pace of its own");
+    // A shared policy learns in a search, and is that of one where there is one.
+    let learner = |shared| {
+        let sizes =
+            PpoConfig { steps_per_update: 30, batch_size: 30, epochs: 2, hidden: vec![8], ..PpoConfig::paper() };
+        Learning(PpoConfig { shared, ..sizes })
+    };
+    let alone = Arc::new(scenario("long", "blind"));
+    assert_eq!(search(&learner(Some(Credit::Team)), &alone), search(&learner(None), &alone));
+    let shared = [Credit::Team, Credit::Own].map(|credit| search(&learner(Some(credit)), &one_in_the_lane()));
+    assert!(shared.iter().all(|spent| spent.ticks <= 60_000 && !spent.failures.is_empty()));
+    assert_ne!(shared[0], shared[1]);
+}
+
+#[test]
+fn a_walker_with_a_destination_walks_around_whom_it_meets_and_stays_there() {
+    let meets = ActorStart::standing(Pose::new(70.0, LANE - 29.7, 0.0));
+    let mut scenario = two_and_two("blind", ("blind", ahead(80.0)), (meets, Controller::Fixed(STANDING)));
+    scenario.episode.hold = 2;
+    let scenario = Arc::new(scenario);
+    let least = |forces: Option<Forces>| {
+        let changes = Recording::Dut;
+        let destination = Some([80.0, LANE - 30.0]);
+        let keys = NaturalKeys { changes, heed: 1.0, gaps: Gaps::Recorded, destination, forces };
+        let mut walker = Natural::from_keys(keys);
+        let mut env = scenario.simulation();
+        let mut trace = Trace::new(&scenario);
+        env.start(Draw::new(&Seed::root(1), 0));
+        trace.begin(&env.scene());
+        walker.begin(Seed::root(2).stream());
+        let mut commands = [STANDING; 2];
+        while env.outcome().is_none() {
+            walker.choose(&env.scene(), &mut commands);
+            carry_out(&mut *env, &commands, &mut trace);
+        }
+        let track: Vec<Point> = trace.pedestrian(0).iter().map(|state| state.pose.position()).collect();
+        let last = (track[track.len() - 1] - Point::new(80.0, LANE - 30.0)).norm();
+        assert!(last < 0.3, "{last} m from its destination");
+        track.iter().map(|here| (here - meets.pose.position()).norm()).fold(f64::INFINITY, f64::min)
+    };
+    let (through, around) = (least(None), least(Some(Forces::Social)));
+    assert!(around > through + 0.02, "{through} and {around}");
 }
 
 #[test]

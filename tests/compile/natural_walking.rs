@@ -145,7 +145,13 @@ fn pedestrians_accept_the_gaps_that_they_say() {
         return;
     }
     let accepted = |gaps: Gaps| -> Vec<(f64, usize, usize)> {
-        let walker = Natural::from_keys(NaturalKeys { changes: Recording::Dut, heed: 1.0, gaps });
+        let walker = Natural::from_keys(NaturalKeys {
+            changes: Recording::Dut,
+            heed: 1.0,
+            gaps,
+            destination: None,
+            forces: None,
+        });
         let first = |_: &Outcome, trace: &Trace| {
             let (car, track) = (trace.vehicle(0)[0].state.pose, trace.pedestrian(0));
             let place = car.to_local(track[0].pose.position());

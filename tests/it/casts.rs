@@ -44,6 +44,19 @@ fn a_cast_runs_to_a_page_and_a_failure_names_the_actors_that_it_needs() {
     let text = said(&again);
     assert!(again.status.success() && text.contains("as in the report, in every column"), "{text}");
     assert!(text.contains("the pedestrian is `") && text.contains("It needs `"), "{text}");
+    // Files for other programs name the roles.
+    for (format, text) in [
+        ("xosc-1.3", "ScenarioObject name=\"crowd_3\""),
+        ("commonroad", "<!-- follower -->"),
+        ("osi", "friend"),
+        ("carla", "\\\"name\\\":\\\"van\\\""),
+    ] {
+        assert!(falsify(&["export", &name, "--as", format, "--out", format], here).status.success(), "{format}");
+        let files =
+            std::fs::read_dir(here.join(format)).unwrap().map(|file| std::fs::read(file.unwrap().path()).unwrap());
+        let is_in = |bytes: &Vec<u8>| bytes.windows(text.len()).any(|part| part == text.as_bytes());
+        assert!(files.into_iter().any(|bytes| is_in(&bytes)), "{format} names {text}");
+    }
     let json = said(&falsify(&["replay", &name, "--json"], here));
     let object: serde_json::Value = serde_json::from_str(&json).unwrap();
     let roles: Vec<&str> =

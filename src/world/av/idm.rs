@@ -141,11 +141,13 @@ impl Idm {
         for next in points {
             let (chord, offset) = (next.position() - last.position(), place - last.position());
             let length = chord.norm();
-            let share = offset.dot(&chord) / (length * length);
-            // A little overlap closes the wedges at the outside of bends.
-            if (-0.05..1.05).contains(&share) {
+            let reach = beside + 1.05 * length;
+            // Most chords are too far away.
+            if offset.norm_squared() <= reach * reach {
+                let share = offset.dot(&chord) / (length * length);
                 let aside = chord.perp(&offset) / length;
-                if aside.abs() <= beside {
+                // A little overlap closes the wedges at the outside of bends.
+                if (-0.05..1.05).contains(&share) && aside.abs() <= beside {
                     return Some((along + share * length, last.yaw));
                 }
             }

@@ -1,9 +1,10 @@
 use rand::RngExt;
 
 use super::recorded_walking::PREFERRED;
+use super::social_force::among_others;
 use super::{RecordedWalking, WalkPolicy};
 use crate::env::{Pair, Scene};
-use crate::geometry::{Point, wrap_angle};
+use crate::geometry::{Point, Vector, wrap_angle};
 use crate::sim::{PedestrianBody, VehicleBlueprint, VehicleState, WalkCommand};
 use base::seed::Stream;
 use base::{choice, keys};
@@ -24,6 +25,14 @@ choice! {
         Recorded = "recorded",
         Hcm = "hcm",
         HcmObserved = "hcm_observed",
+    }
+}
+
+choice! {
+    /// What keeps a pedestrian away from others.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Forces {
+        Social = "social",
     }
 }
 
@@ -49,6 +58,12 @@ keys! {
         /// The time that must be left between the pedestrian, once out of the car's width, and the car: as recorded ones accepted it (DUT; median 6.4 s),
         /// or that of the Highway Capacity Manual's critical headway: 3 s as for designs (`hcm`), or 0 s, its observed mean (`hcm_observed`).
         gaps: Gaps = "recorded",
+        /// The point to which it walks, and where it stays. Without it, it walks across the way of the car. It waits for a gap only if the car's way is
+        /// between.
+        destination: Option<[f64; 2]>,
+        /// What keeps it away from other pedestrians, walls and cars while it walks: `social` forces, as Helbing and Molnár published them (1995). Without
+        /// the key nothing does.
+        forces: Option<Forces>,
     }
 }
 
@@ -67,6 +82,8 @@ pub struct Natural {
     /// The probability that a pedestrian waits for a gap.
     heed: f64,
     gaps: Gaps,
+    destination: Option<Point>,
+    forces: Option<Forces>,
     stream: Option<Stream>,
     /// One for each pedestrian that it moves.
     walks: Vec<Walk>,
@@ -91,12 +108,14 @@ impl Natural {
             Recording::Dut => RecordedWalking::DUT,
             Recording::Vru => RecordedWalking::VRU,
         };
-        Self { gaps: keys.gaps, ..Self::new(walking, keys.heed) }
+        let destination = keys.destination.map(|[x, y]| Point::new(x, y));
+        Self { gaps: keys.gaps, destination, forces: keys.forces, ..Self::new(walking, keys.heed) }
     }
 
     /// Makes one that waits for recorded gaps; `heed` is the probability that a pedestrian waits for a gap.
     pub fn new(walking: RecordedWalking, heed: f64) -> Self {
-        Self { walking, heed, gaps: Gaps::Recorded, stream: None, walks: Vec::new() }
+        let (destination, forces) = (None, None);
+        Self { walking, heed, gaps: Gaps::Recorded, destination, forces, stream: None, walks: Vec::new() }
     }
 
     /// The walk of a pedestrian that has just appeared.
@@ -124,10 +143,14 @@ impl Default for Natural {
 }
 
 impl Walk {
-    /// Whether its gap is large enough to set off.
-    fn may_go(&self, scene: &Scene<'_>, pedestrian: usize) -> bool {
+    /// Whether its gap is large enough to set off, or it does not cross the way of the car.
+    fn may_go(&self, scene: &Scene<'_>, pedestrian: usize, destination: Option<Point>) -> bool {
         let (ego, person) = (scene.world.ego(), &scene.world.pedestrians[pedestrian]);
         let place = person.state.pose.position();
+        let aside = |place: Point| ego.state.pose.to_local(place).y;
+        if destination.is_some_and(|there| aside(there) * aside(place) > 0.0) {
+            return true;
+        }
         gap(&ego.state, &ego.blueprint, &person.body, place, self.preferred).is_none_or(|gap| gap >= self.gap)
     }
 }
@@ -220,7 +243,7 @@ impl WalkPolicy for Natural {
             let walk = &mut self.walks[place];
             let stream = self.stream.as_mut().expect("an episode has started");
             walk.walking = match walk.walking {
-                None if !walk.may_go(scene, pedestrian) => None,
+                None if !walk.may_go(scene, pedestrian, self.destination) => None,
                 None => Some((walk.preferred, 0.0)),
                 Some((speed, turned)) => {
                     let (faster, turn) = self.walking.change(speed - walk.preferred, turned, seconds, stream);
@@ -228,9 +251,19 @@ impl WalkPolicy for Natural {
                 }
             };
             let (low, high) = role.action.speed;
+            let here = scene.world.pedestrians[pedestrian].state.pose.position();
+            let way = self.destination.map(|there| there - here);
+            let straight = way.map_or(walk.across, |way| libm::atan2(way.y, way.x));
             let (speed, turned) = walk.walking.unwrap_or((low, 0.0));
-            commands[pedestrian] =
-                WalkCommand { heading: wrap_angle(walk.across + turned), speed: speed.clamp(low, high) };
+            // It does not walk beyond its destination.
+            let mut speed = way.map_or(speed, |way| speed.min(way.norm() / seconds));
+            let mut heading = wrap_angle(straight + turned);
+            if self.forces.is_some() && walk.walking.is_some() {
+                let wanted = Vector::new(libm::cos(heading), libm::sin(heading)) * speed;
+                let velocity = among_others(scene, pedestrian, wanted, seconds);
+                (heading, speed) = (libm::atan2(velocity.y, velocity.x), velocity.norm());
+            }
+            commands[pedestrian] = WalkCommand { heading, speed: speed.clamp(low, high) };
         }
     }
 

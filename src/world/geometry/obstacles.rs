@@ -124,6 +124,12 @@ impl Obstacles {
         self.between(point - around, point + around).map(|(each, _)| each.distance_to(point)).fold(reach, f64::min)
     }
 
+    /// The boxes within `reach` of a point (m), and perhaps some that are farther.
+    pub fn near(&self, point: Point, reach: f64) -> impl Iterator<Item = &OrientedBox> {
+        let around = Vector::new(reach, reach);
+        self.between(point - around, point + around).map(|(each, _)| each)
+    }
+
     /// Whether the middle or an edge of a disc of this radius (m) can be seen from a point.
     pub fn shows(&self, from: Point, middle: Point, radius: f64) -> bool {
         let sight = (middle - from).try_normalize(1e-9).unwrap_or_else(Vector::x);
