@@ -16,8 +16,9 @@ use world::env::{
     PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out,
 };
 use world::falsifier::{
-    ActionMode, Archive, BudgetedSimulation, Failure, Falsifier, Forces, Gaps, Intercept, Learning, Natural,
-    NaturalKeys, PedestrianEnv, Random, Recording, TrainedWalker, TrainingRun, WalkPolicy, evaluate, follow, play,
+    ActionMode, Archive, ArchiveSearch, BudgetedSimulation, Failure, Falsifier, Forces, Gaps, Intercept, Learning,
+    Natural, NaturalKeys, PedestrianEnv, Random, Recording, TrainedWalker, TrainingRun, WalkPolicy, evaluate, follow,
+    play,
 };
 use world::geometry::{Obstacles, Point, Pose};
 use world::judge::{Class, NearMiss, judge};
@@ -686,7 +687,8 @@ fn a_search_gives_each_pedestrian_a_goal_of_its_own_and_cells_name_the_role_that
         simulator.into_spent()
     };
     let reward = DeclarationId(0);
-    let archive = Archive { reward, explore: 0.1, spread: 0.1, tries: 32, again: 0.3, choice: 0.1 };
+    let keys = Archive { reward, explore: 0.1, spread: 0.1, tries: 32, again: 0.3, choice: 0.1, from: None };
+    let archive = ArchiveSearch { keys, from: None };
     let found = search(&archive, &both).failures;
     let roles: BTreeSet<u8> = found.iter().map(|failure| failure.cell.role).collect();
     assert_eq!(roles, BTreeSet::from([0, 1]));

@@ -1,6 +1,7 @@
 use super::crosswalks::{self, CrosswalkKeys};
 use super::give_way::GiveWayMemory;
 use super::lane_keeping::Demand;
+use super::path::HORIZON;
 use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
 use crate::geometry::{Point, wrap_angle};
 use crate::sim::{Control, LightColour};
@@ -99,13 +100,14 @@ impl Idm {
     fn leader(&self, perception: &Perception<'_>) -> Option<Leader> {
         let ego = &perception.ego;
         let corridor = ego.half.y + self.keys.margin;
+        let chords = Chords::new(&self.path, ego.pose.position());
         let here = ego.pose.position();
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         let bodies = actors.filter_map(|actor| {
             if !perception.in_sight(actor) {
                 return None;
             }
-            let (along, heading) = self.place(here, actor.pose.position(), corridor + actor.half.y)?;
+            let (along, heading) = chords.place(&self.path, actor.pose.position(), corridor + actor.half.y)?;
             let gap = along - ego.half.x - actor.half.x;
             let speed = actor.velocity.dot(&crate::geometry::Vector::new(libm::cos(heading), libm::sin(heading)));
             (gap > -ego.half.x).then_some(Leader {
@@ -119,7 +121,7 @@ impl Idm {
             if (line - here).norm_squared() > 40.0 * 40.0 {
                 return None;
             }
-            let (along, heading) = self.place(here, line, 1.0)?;
+            let (along, heading) = chords.place(&self.path, line, 1.0)?;
             let same_way = wrap_angle(heading - light.trigger.yaw).abs() < 1.0;
             (same_way && along > 0.0).then_some(Leader {
                 gap: (along - ego.half.x + 1.0).max(0.0),
@@ -131,28 +133,52 @@ impl Idm {
         let crosswalk = yielding.map(|gap| Leader { gap, speed: 0.0, kind: LeaderKind::Crosswalk });
         bodies.chain(lights).chain(crosswalk).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
+}
 
-    /// How far along the path from abeam the ego a place is, and the path's heading there; `None` if it is more than `beside` (m) from the path.
-    fn place(&self, ego: Point, place: Point, beside: f64) -> Option<(f64, f64)> {
-        let mut points = self.path.points().map(|point| &point.pose);
-        let mut last = points.next()?;
+/// How far along the path from abeam the ego its points are (m), and the longest way from one to the next (m).
+struct Chords {
+    along: [f64; HORIZON],
+    longest: f64,
+}
+
+impl Chords {
+    fn new(path: &Path, ego: Point) -> Self {
+        let mut chords = Self { along: [0.0; HORIZON], longest: 0.0 };
+        let mut poses = path.points().map(|point| &point.pose);
+        let Some(mut last) = poses.next() else { return chords };
         // The path's first point is the nearest to the ego, not the one abeam it.
         let mut along = -last.to_local(ego).x;
-        for next in points {
-            let (chord, offset) = (next.position() - last.position(), place - last.position());
-            let length = chord.norm();
-            let reach = beside + 1.05 * length;
-            // Most chords are too far away.
-            if offset.norm_squared() <= reach * reach {
-                let share = offset.dot(&chord) / (length * length);
-                let aside = chord.perp(&offset) / length;
-                // A little overlap closes the wedges at the outside of bends.
-                if (-0.05..1.05).contains(&share) && aside.abs() <= beside {
-                    return Some((along + share * length, last.yaw));
-                }
-            }
+        chords.along[0] = along;
+        for (place, next) in chords.along[1..].iter_mut().zip(poses) {
+            let length = (next.position() - last.position()).norm();
+            chords.longest = chords.longest.max(length);
             along += length;
-            last = next;
+            (*place, last) = (along, next);
+        }
+        chords
+    }
+
+    /// How far along the path from abeam the ego a place is, and the path's heading there; `None` if it is more than `beside` (m) from the path.
+    fn place(&self, path: &Path, place: Point, beside: f64) -> Option<(f64, f64)> {
+        let reach = beside + 1.05 * self.longest;
+        let mut number = 0;
+        while number + 1 < path.points().len() {
+            let (last, next) = (&path.point(number).pose, &path.point(number + 1).pose);
+            let (chord, offset) = (next.position() - last.position(), place - last.position());
+            let away = offset.norm() - reach;
+            if away > 0.0 {
+                // So many points are too far away, too.
+                number += ((away / self.longest) as usize).clamp(1, HORIZON);
+                continue;
+            }
+            let length = chord.norm();
+            let share = offset.dot(&chord) / (length * length);
+            let aside = chord.perp(&offset) / length;
+            // A little overlap closes the wedges at the outside of bends.
+            if (-0.05..1.05).contains(&share) && aside.abs() <= beside {
+                return Some((self.along[number] + share * length, last.yaw));
+            }
+            number += 1;
         }
         None
     }

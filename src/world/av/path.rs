@@ -8,7 +8,7 @@ use base::seed::Stream;
 /// Spacing of the points (m), along the reference line.
 const STEP: f64 = 1.0;
 /// The length of a known path (points).
-const HORIZON: usize = 80;
+pub(super) const HORIZON: usize = 80;
 
 /// The path ahead of a car that drives through a town without a destination, for our own policies.
 #[derive(Debug, Clone)]
@@ -53,6 +53,11 @@ impl Path {
     /// The points ahead, the first one abeam the ego.
     pub fn points(&self) -> impl ExactSizeIterator<Item = &RoutePoint> {
         self.points.iter()
+    }
+
+    /// The point with this number.
+    pub fn point(&self, number: usize) -> &RoutePoint {
+        &self.points[number]
     }
 
     /// The first point at least this far (m) from a place, or the last one.
