@@ -3,7 +3,7 @@ use super::messages::{
     Timestamp, Triple, VehicleAttributes,
 };
 use crate::Episode;
-use crate::episode::{Actor, CAR_HEIGHT, Motion, OBSTACLE_HEIGHT, Shape};
+use crate::episode::{Actor, CAR_HEIGHT, OBSTACLE_HEIGHT, Shape};
 use world::geometry::OrientedBox;
 use world::sim::ActorId;
 
