@@ -69,8 +69,11 @@ def agreement(files):
 
 def ends(file):
     """For each encounter that had or has a collision: the driver, and whether it is a fault at home and there."""
-    found = {}
-    for change in json.loads(Path(file).read_text())["failure_changes"]:
+    found, recheck = {}, json.loads(Path(file).read_text())
+    errors = sum(row["failed_encounters"] for row in recheck["failures"])
+    if errors:
+        sys.exit(f"{file}: {errors} encounters failed, and say nothing of a cause")
+    for change in recheck["failure_changes"]:
         before, after = (change[side].get("collision") for side in ("before", "after"))
         found[change["before"]["name"]] = (change["where"].split(" in ")[0], bool(before and before["fault"]), bool(after and after["fault"]))
     return found

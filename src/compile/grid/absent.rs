@@ -30,7 +30,7 @@ impl Lowering<'_> {
     /// Warns of requirements, rewards and drivers of a campaign that are about a part that a town of it does not have.
     pub(super) fn warn_of_absent(&mut self, block: &Block, grid: &Grid) {
         for part in &MapPart::ALL {
-            let named = |town: &&crate::plan::NamedTown| !(part.is_in)(&town.town);
+            let named = |town: &&crate::plan::NamedTown| !part.is_there(&town.town, &grid.usual.rule.value);
             let without: Vec<&str> = grid.campaign.towns.iter().filter(named).map(|town| town.name.as_str()).collect();
             if without.is_empty() {
                 continue;

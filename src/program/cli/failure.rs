@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::console;
+use super::{console, interrupt};
 use crate::exit_code::ExitCode;
 use crate::session::{Error, Level, Notice};
 
@@ -49,10 +49,11 @@ pub fn notice(notice: &Notice) {
 pub fn programs() {
     let times = match process::failures() {
         0 => return,
+        _ if interrupt::stop().is_asked() => return,
         1 => "once".to_owned(),
         times => format!("{times} times"),
     };
     console::warn(&format!(
-        "programs ended, or were late, {times}; an episode is in error only if that happens again when it runs alone"
+        "programs ended, or were late, {times}; an episode that ends when it is repeated alone counts as others do"
     ));
 }

@@ -87,7 +87,7 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
         }
     }
     let fails = judged.iter().any(Judged::fails);
-    let rows = judged.iter().filter(|judged| **judged != Judged::Elsewhere).count();
+    let rows = judged.iter().filter(|judged| matches!(judged, Judged::Passed | Judged::Thin(_))).count();
     if !fails && rows > 0 {
         console::note(&format!("--fail-if {}: passes, {} judged", gate.text(), console::count(rows, "row")));
     }

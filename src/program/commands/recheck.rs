@@ -11,10 +11,10 @@ use serde_json::json;
 use super::compare::{Form, changes};
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
+use crate::cli::console;
 use crate::cli::failure::{failed, unwritten};
 use crate::cli::input::{Reporter, session};
 use crate::cli::progress::{Counting, Showing};
-use crate::cli::{console, failure};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Event, Observer, RecheckStage};
 use driver_pairs::DriverPair;
@@ -104,7 +104,6 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     let session = session(options.repeat.allow_external).with_observer(reporter.clone());
     let recheck = session.recheck(options).map_err(failed);
     reporter.end();
-    failure::programs();
     let recheck = recheck?;
     match options.format {
         Form::Text => {

@@ -41,7 +41,7 @@ impl<'a> OtherDrive<'a> {
         world.begin(&Start { vehicles: &places, pedestrians: &starts, light_phase });
         let wanted = Wanted::new(|id| is_measured(id) && requirement.mentions(&|other| other == id));
         let room = pair.len() - first;
-        let is_silent = |id| is_silent(id, &scenario.town);
+        let is_silent = |id| is_silent(id, scenario);
         Self {
             pair,
             requirement,

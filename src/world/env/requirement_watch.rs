@@ -44,7 +44,7 @@ impl RequirementWatch {
     /// A watch of a scenario's requirements, with memory for this number of samples.
     pub(super) fn new(scenario: &Scenario, samples: usize) -> Self {
         let monitor = |all: &Arc<[NamedRequirement]>| {
-            let is_silent = |id| is_silent(id, &scenario.town);
+            let is_silent = |id| is_silent(id, scenario);
             (!all.is_empty()).then(|| Monitor::new(all.clone(), scenario.episode.tick, samples, &is_silent))
         };
         Self {

@@ -8,6 +8,7 @@ use base::signature::{Event, Formula, Variable, VariableId, Vocabulary};
 use base::units::Dimension;
 
 use super::reward::HitClass;
+use super::{EpisodeRule, Scenario};
 
 /// Since when a variable has a value, in the order of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -291,8 +292,7 @@ pub struct MapPart {
     /// What a town has several of.
     pub name: &'static str,
     variables: &'static [&'static str],
-    /// Whether a town has it.
-    pub is_in: fn(&Town) -> bool,
+    is_there: fn(&Town, &EpisodeRule) -> bool,
 }
 
 impl MapPart {
@@ -301,14 +301,19 @@ impl MapPart {
         Self {
             name: "crosswalks",
             variables: &["crosswalk_distance", "crosswalk_taken", "crosswalk_waiting"],
-            is_in: |town| !town.crosswalks.is_empty(),
+            is_there: |town, _| !town.crosswalks.is_empty(),
         },
         Self {
             name: "traffic lights",
             variables: &["light_distance", "red_light"],
-            is_in: |town| !town.traffic_lights.is_empty(),
+            is_there: |town, episode| episode.traffic_lights && !town.traffic_lights.is_empty(),
         },
     ];
+
+    /// Whether a town has it, and it works in the episodes.
+    pub fn is_there(&self, town: &Town, episode: &EpisodeRule) -> bool {
+        (self.is_there)(town, episode)
+    }
 
     /// Whether a variable is about it.
     pub fn has(&self, id: VariableId) -> bool {
@@ -316,9 +321,9 @@ impl MapPart {
     }
 }
 
-/// Whether a variable is about a part that a town does not have, so that its value says nothing.
-pub(super) fn is_silent(id: VariableId, town: &Town) -> bool {
-    MapPart::ALL.iter().any(|part| part.has(id) && !(part.is_in)(town))
+/// Whether a variable is about a part that the town of a scenario does not have, or that is switched off, so that its value says nothing.
+pub(super) fn is_silent(id: VariableId, scenario: &Scenario) -> bool {
+    MapPart::ALL.iter().any(|part| part.has(id) && !part.is_there(&scenario.town, &scenario.episode))
 }
 
 /// Whether a variable is one of these; no signal of an actor is.

@@ -356,16 +356,16 @@ impl Archive {
         start: u64,
         simulator: &mut BudgetedSimulation<'_>,
         elites: &mut Elites,
-        first: Option<&mut Box<dyn WalkPolicy>>,
+        first: Option<(&mut Box<dyn WalkPolicy>, Stream)>,
         stream: &mut Stream,
     ) -> Option<()> {
         let mut worth = Worth { best: 0.0, again: self.again, novelty: NOVELTY, of_search: true };
-        if let Some(first) = first {
+        if let Some((first, drawn)) = first {
             if !simulator.begin(start) {
                 return None;
             }
             let (context, ready) = (context(&simulator.scene()), simulator.left());
-            let reward = run(simulator, first.as_mut())?;
+            let reward = run(simulator, first.as_mut(), drawn)?;
             let (left, cell) = (simulator.left(), simulator.cell());
             let gain = elites.worth(reward, cell, &worth);
             worth.best = worth.best.max(reward);
@@ -392,7 +392,7 @@ impl Archive {
                 return Some(());
             }
             let ready = simulator.left();
-            let reward = run(simulator, &mut Crossing::joint(&proposal.goals))?;
+            let reward = run(simulator, &mut Crossing::joint(&proposal.goals), Seed::root(0).stream())?;
             let left = simulator.left();
             let cell = simulator.cell();
             let gain = elites.worth(reward, cell, &worth);
@@ -419,12 +419,14 @@ impl Falsifier for ArchiveSearch {
         let mut stream = seed.child("archive").stream();
         let mut first = self.from.as_ref().map(Controller::walk_policy);
         let mut faults = FaultStreak::default();
+        // Crossings draw nothing.
+        let drawn = |start: u64| seed.child("from").index(start).stream();
         let (budget, mut start) = (simulator.left(), 0);
         let pedestrians = simulator.scenario().cast.controlled().count();
         let mut elites = Elites { pedestrians, left: budget, ..Elites::default() };
         let kept = (budget as f64 * self.keys.choice) as u64;
         while simulator.left() > kept {
-            let walker = first.as_mut();
+            let walker = first.as_mut().map(|walker| (walker, drawn(start)));
             if self.keys.search_from(start, simulator, &mut elites, walker, &mut stream).is_none() {
                 break;
             }
@@ -442,7 +444,7 @@ impl Falsifier for ArchiveSearch {
         loop {
             let mut earned = vec![None; candidates.len()];
             for (walker, earned) in candidates.iter_mut().zip(&mut earned) {
-                *earned = if simulator.begin(start) { run(simulator, walker.as_mut()) } else { None };
+                *earned = if simulator.begin(start) { run(simulator, walker.as_mut(), drawn(start)) } else { None };
             }
             let Some(earned) = earned.into_iter().collect::<Option<Vec<f64>>>() else { break };
             sums.iter_mut().zip(earned).for_each(|(sum, earned)| *sum += earned);
@@ -455,9 +457,8 @@ impl Falsifier for ArchiveSearch {
 }
 
 /// Runs the episode that has begun to its end and returns its reward; `None` if the budget is used up before.
-fn run(simulator: &mut BudgetedSimulation<'_>, walker: &mut dyn WalkPolicy) -> Option<f64> {
-    // No controller of this search draws random numbers.
-    walker.begin(Seed::root(0).stream());
+fn run(simulator: &mut BudgetedSimulation<'_>, walker: &mut dyn WalkPolicy, drawn: Stream) -> Option<f64> {
+    walker.begin(drawn);
     Some(play(simulator, walker, &mut ())?.reward)
 }
 

@@ -35,8 +35,9 @@ pub(super) struct MetAgain {
 
 impl MetAgain {
     /// A failure that was not met again, since what is met had failed as a program over and over.
-    pub(super) fn not_run(failure: &Failure) -> Self {
-        Self { encounters: vec![(WalkedBy::Controller, encounter(failure, None, Met::error()))], ..Self::default() }
+    pub(super) fn not_run(failure: &Failure, walked_by: &[WalkedBy]) -> Self {
+        let left_out = |by: &WalkedBy| (*by, encounter(failure, None, Met::error()));
+        Self { encounters: walked_by.iter().map(left_out).collect(), ..Self::default() }
     }
 }
 

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::RecheckArgs;
 use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, places, with_driver};
@@ -28,6 +28,10 @@ const LEVELS: u32 = 2;
 
 /// Failures in a row in which a program fails before the others are not met with the same driver.
 const MAX_ERRORS: u32 = 10;
+/// Failures that are met at the same time.
+const TOGETHER: usize = 32;
+/// Who walks in an encounter.
+const BOTH: [WalkedBy; 2] = [WalkedBy::Controller, WalkedBy::Commands];
 
 /// What a recheck works with.
 struct Sides {
@@ -128,26 +132,40 @@ struct Tally<'a> {
     done: AtomicU64,
     all: u64,
     /// The failures in a row in which a program failed.
-    errors: AtomicU32,
+    errors: u32,
 }
 
 impl<'a> Tally<'a> {
     fn new(session: &'a Session, stage: RecheckStage, all: u64) -> Self {
         session.tell(Event::Rechecked { stage, done: 0, all });
-        Self { session, stage, done: AtomicU64::new(0), all, errors: AtomicU32::new(0) }
+        Self { session, stage, done: AtomicU64::new(0), all, errors: 0 }
     }
 
-    /// Meets a failure, unless a program failed in ten in a row.
-    fn meet(&self, failure: &Failure, run: impl FnOnce() -> MetAgain) -> MetAgain {
-        if self.errors.load(Ordering::Relaxed) >= MAX_ERRORS {
-            return MetAgain::not_run(failure);
+    /// Meets failures, until a program has failed in ten in a row: those that then are under way are met, and the others are walked by these, and not run.
+    fn meet(
+        &mut self,
+        failures: &[Failure],
+        walked_by: &[WalkedBy],
+        run: impl Fn(&Failure) -> MetAgain + Sync,
+    ) -> Vec<MetAgain> {
+        let mut met = Vec::with_capacity(failures.len());
+        for part in failures.chunks(TOGETHER) {
+            let is_over = self.errors >= MAX_ERRORS;
+            let tally = &*self;
+            let again = parallel::map(part, |failure| {
+                let met = if is_over { MetAgain::not_run(failure, walked_by) } else { run(failure) };
+                tally.add();
+                met
+            });
+            for each in &again {
+                self.errors = match each.error {
+                    Some(_) => self.errors + 1,
+                    None if self.errors >= MAX_ERRORS => self.errors,
+                    None => 0,
+                };
+            }
+            met.extend(again);
         }
-        let met = run();
-        match met.error {
-            Some(_) => drop(self.errors.fetch_add(1, Ordering::Relaxed)),
-            None => self.errors.store(0, Ordering::Relaxed),
-        }
-        self.add();
         met
     }
 
@@ -216,12 +234,12 @@ impl Sides {
             found.push((pair, runs));
         }
         let all = found.iter().flat_map(|(_, runs)| runs.values()).map(Vec::len).sum::<usize>();
-        let tally = Tally::new(session, RecheckStage::Failures, all as u64);
+        let mut tally = Tally::new(session, RecheckStage::Failures, all as u64);
         for (pair, runs) in found {
             let mut sets = Sets::new();
-            tally.errors.store(0, Ordering::Relaxed);
+            tally.errors = 0;
             for (run, failures) in runs {
-                for (failure, met) in failures.iter().zip(self.meet_run(run, &failures, pair, &tally)?) {
+                for (failure, met) in failures.iter().zip(self.meet_run(run, &failures, pair, &mut tally)?) {
                     other_now += u64::from(met.is_other_now);
                     other_start += u64::from(met.has_other_start);
                     damaged += u64::from(met.is_damaged);
@@ -263,7 +281,7 @@ impl Sides {
         run: RunId,
         failures: &[Failure],
         pair: &DriverPair,
-        tally: &Tally<'_>,
+        tally: &mut Tally<'_>,
     ) -> Result<Vec<MetAgain>, Error> {
         let run = EpisodeName { run, number: failures.first().map_or(0, |failure| failure.number as u32) };
         let gone = || self.old.run_gone(run.run);
@@ -273,15 +291,19 @@ impl Sides {
             let vehicle = Some(&*evaluation.vehicle);
             let new = self.new_driver(&pair.after, &evaluation.town, vehicle).ok_or_else(gone)?;
             let of_run = (evaluation, trained.as_ref());
-            let meet =
-                |failure: &Failure| tally.meet(failure, || self.old.meet_episode(failure, of_run, new, is_old_there));
-            return Ok(parallel::map(failures, meet));
+            let walked_by = if new.world.is_some() { &BOTH[..1] } else { &BOTH[..] };
+            let meet = |failure: &Failure| self.old.meet_episode(failure, of_run, new, is_old_there);
+            return Ok(tally.meet(failures, walked_by, meet));
         }
         let search = self.old.search(run).ok_or_else(gone)?;
         let new = self.new_driver(&pair.after, &search.key.town, None).ok_or_else(gone)?;
-        let meet =
-            |failure: &Failure| tally.meet(failure, || self.old.meet_failure(failure, search, new, is_old_there));
-        Ok(parallel::map(failures, meet))
+        let walked_by = match (search.falsifier.walk_policy(), &new.world) {
+            (None, _) => &BOTH[1..],
+            (Some(_), None) => &BOTH[..],
+            (Some(_), Some(_)) => &BOTH[..1],
+        };
+        let meet = |failure: &Failure| self.old.meet_failure(failure, search, new, is_old_there);
+        Ok(tally.meet(failures, walked_by, meet))
     }
 
     fn cross_all(

@@ -138,11 +138,9 @@ pub fn gather(
             for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
                 // A target walks alike for every reward of the campaign; its cells are shown once. A case that one block ran is not missing in another.
                 let all = &mut gathered.protocol;
-                let is_case = |known: &ProtocolCell| known.is_same_test(&cell) && !(known.is_run() && cell.is_run());
-                match all.iter().position(is_case) {
-                    Some(place) if cell.is_run() => all[place] = cell,
-                    Some(_) => {}
-                    None if all.iter().any(|known| known.repeats(&cell)) => {}
+                match all.iter().position(|known| cell.stands_for(known)) {
+                    Some(place) => all[place] = cell,
+                    None if all.iter().any(|known| known.stands_for(&cell) || known.repeats(&cell)) => {}
                     None => all.push(cell),
                 }
             }

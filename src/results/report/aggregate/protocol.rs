@@ -37,6 +37,8 @@ pub struct ProtocolCell {
     pub worst: Option<String>,
     /// Where it is tested, to compare the nominal test with its layer.
     meeting: [i64; 5],
+    /// The car, the pedestrian and the world.
+    setup: [String; 3],
 }
 
 choice! {
@@ -127,14 +129,16 @@ impl ProtocolCell {
             && (self.test_speed, self.overlap) == (other.test_speed, other.overlap)
     }
 
-    /// Whether two results of the nominal test are of one case, town and test.
-    pub(super) fn is_same_test(&self, other: &Self) -> bool {
-        (&self.town, &self.test) == (&other.town, &other.test) && self.is_same_case(other)
+    /// Whether another result of the nominal test is of the same case in the same setup, and stands for this one, which was not run.
+    pub(super) fn stands_for(&self, other: &Self) -> bool {
+        let is_same = (&self.town, &self.test, &self.setup) == (&other.town, &other.test, &other.setup);
+        is_same && self.is_same_case(other) && self.is_run() && !other.is_run() && !other.failed
     }
 
     /// Whether another result is the same one under the name of another run.
     pub(super) fn repeats(&self, other: &Self) -> bool {
-        let named = Self { run_id: self.run_id.clone(), worst: self.worst.clone(), ..other.clone() };
+        let (run_id, worst, setup) = (self.run_id.clone(), self.worst.clone(), self.setup.clone());
+        let named = Self { run_id, worst, setup, ..other.clone() };
         *self == named
     }
 
@@ -158,6 +162,7 @@ impl ProtocolCell {
             failed: false,
             criterion: walk.criterion,
             worst: None,
+            setup: Default::default(),
             meeting: [
                 millimetres(meeting.x),
                 millimetres(meeting.y),
@@ -193,7 +198,9 @@ impl<'a> ProtocolRun<'a> {
         let walk = spawn.target_walk.as_ref().filter(|_| evaluation.controller.name() == "scripted")?;
         let id = evaluation.origin.id.to_string();
         let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
-        let cells = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
+        let setup = [&evaluation.vehicle, &evaluation.adversary, &evaluation.world].map(ToString::to_string);
+        let cell = |case| ProtocolCell { setup: setup.clone(), ..ProtocolCell::new(names, walk, case) };
+        let cells = (0..walk.cases.len()).map(cell).collect();
         Some(Self { id, walk, cells })
     }
 

@@ -15,4 +15,4 @@ pub use comparison::{ALL_UNTRAINED, ComparedCell, ReportComparison, compare_repo
 pub use matching::Side;
 pub use paired_rate::{Changed, CountedEvent, PairedRate};
 pub use searches::{ComparedSearch, TRIED_STARTS, compared_search_table};
-pub use table::{COMMON_STARTS, compared_cells, comparison_reference};
+pub use table::{COMMON_STARTS, DIFFERING, compared_cells, comparison_reference};

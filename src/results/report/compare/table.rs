@@ -52,7 +52,7 @@ pub const COMMON_STARTS: Column<u64> = Column::new(
 );
 
 /// The number of pairs of episodes that tell anything of a change.
-const DIFFERING: Column<u64> = Column::new(
+pub const DIFFERING: Column<u64> = Column::new(
     "differing_episodes",
     "",
     "pairs of episodes with equal starts that are not the same byte for byte; 0 of a driver that did not change",

@@ -9,7 +9,7 @@ use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_
 use crate::report::Findings;
 use crate::report::aggregate::{STARTS, search_cell_table, search_key};
 use crate::report::cell_table::{KnownCell, cell_table};
-use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, TRIED_STARTS};
+use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, DIFFERING, TRIED_STARTS};
 use base::statistics::{MIN_RUNS, disagreement, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
@@ -385,7 +385,12 @@ impl Gate {
             tests as f64 * mcnemar(0, own) >= bound
         };
         let is_compared = number(&value(cells, RECHECKED_STARTS, row)).is_none();
-        let all_differ = disagreement(0, own, own, 0.05);
+        // As many intervals hold the truth together as rows are not unchanged.
+        let is_tested = |other: &usize| {
+            is_pooled(*other) == is_pooled(row) && number(&value(cells, DIFFERING.name, *other)) != Some(0.0)
+        };
+        let together = (0..cells.height()).filter(is_tested).count().max(1);
+        let all_differ = disagreement(0, own, own, 0.05 / together as f64);
         let cannot = |condition: &&Condition| {
             let is_below = matches!(condition.comparison, Comparison::Less | Comparison::AtMost);
             let is_above = matches!(condition.comparison, Comparison::More | Comparison::AtLeast);

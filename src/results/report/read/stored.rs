@@ -61,6 +61,12 @@ pub enum ReadError {
         /// The file that is missing.
         path: PathBuf,
     },
+    /// A report has no table of failures.
+    #[error("there is no `{path}`: the report is of an earlier version; run its campaign again", path = path.display())]
+    Older {
+        /// The file that is missing.
+        path: PathBuf,
+    },
     /// A file of a report was removed.
     #[error("there is no `{path}`, which the report had when it was written; take the report from where it is whole", path = path.display())]
     Absent {
@@ -362,6 +368,9 @@ impl StoredReport {
     /// The path of a table.
     fn parquet(&self, table: &str) -> Result<PathBuf, ReadError> {
         let path = self.folder.join(format!("{table}.parquet"));
+        if table == FAILURES && self.written(EPISODES).is_some() && self.written(FAILURES).is_none() {
+            return Err(ReadError::Older { path });
+        }
         let is_csv = !path.exists() && self.written(table).is_none() && path.with_extension("csv").exists();
         if is_csv { Err(ReadError::OnlyCsv { path }) } else { Ok(path) }
     }
