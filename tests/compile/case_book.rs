@@ -270,7 +270,8 @@ fn every_case_is_the_encounter_that_it_describes() {
             let behind = family.walker.meets.is_some_and(|[x, _]| x < -1.0);
             let side = match (at_side, behind) {
                 (true, _) => ContactSide::Side,
-                (_, true) => ContactSide::Rear,
+                // A car that reverses leads with its rear.
+                (_, is_rear) if is_rear != family.car.reverses => ContactSide::Rear,
                 _ => ContactSide::Front,
             };
             assert_eq!(verdict.side, side, "{what}");

@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_445),
     ("src/learn", 5_524),
-    ("src/world", 37_013),
+    ("src/world", 37_046),
     ("src/ported", 4_642),
     ("src/lang", 6_608),
     ("src/compile", 8_061),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_027),
-    ("src/program", 12_391),
-    ("tests", 28_443),
+    ("src/results", 26_046),
+    ("src/program", 12_414),
+    ("tests", 28_445),
 ];
 
 /// Crates that only some places may name.

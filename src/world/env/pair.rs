@@ -65,6 +65,11 @@ impl<'a> Pair<'a> {
         self.scenario.episode.tick
     }
 
+    /// The noise of the pedestrian's velocities in a recording from elsewhere, as a mean over half a second (m/s).
+    pub fn velocity_noise(&self) -> f64 {
+        self.trace.velocity_noise()
+    }
+
     /// The degree of each requirement of the scenario in the episode; see [`Trace::degrees`].
     pub fn degrees(&self) -> &'a [Degree] {
         self.trace.degrees()

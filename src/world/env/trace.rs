@@ -33,6 +33,8 @@ pub struct Trace {
     contact: Option<Contact>,
     lights: Option<LightClock>,
     on_map: bool,
+    /// The noise of the pedestrian's velocities, as a mean over half a second (m/s); 0 of an episode of a simulator.
+    velocity_noise: f64,
     degrees: Vec<Degree>,
     /// The obstacles with the parked vehicles of the episode; `None` if those of the scenario are all.
     obstacles: Option<Arc<Obstacles>>,
@@ -111,20 +113,23 @@ impl Trace {
             contact: None,
             lights: None,
             on_map: true,
+            velocity_noise: 0.0,
             degrees: Vec::with_capacity(scenario.requirements.len()),
             obstacles: None,
         }
     }
 
     /// The record of a car and a pedestrian that were recorded elsewhere: their states at the start and after each tick, and a decision for
-    /// each tick.
+    /// each tick. `velocity_noise` is that of the pedestrian's velocities, as a mean over half a second (m/s).
     pub fn recorded(
         driving: Vec<VehicleFrame>,
         walking: Vec<PedestrianState>,
         decisions: Vec<WalkCommand>,
         contact: Option<Contact>,
+        velocity_noise: f64,
     ) -> Self {
         Self {
+            velocity_noise,
             vehicles: vec![driving],
             pedestrians: vec![PedestrianTrack { states: walking, decisions }],
             contact,
@@ -133,6 +138,11 @@ impl Trace {
             degrees: Vec::new(),
             obstacles: None,
         }
+    }
+
+    /// See [`Pair::velocity_noise`].
+    pub(super) fn velocity_noise(&self) -> f64 {
+        self.velocity_noise
     }
 
     /// Whether the episode took place on the scenario's map. A recording from elsewhere did not.

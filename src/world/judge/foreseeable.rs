@@ -13,8 +13,11 @@ const LOOKED_AT: f64 = 3.0;
 const FAST_ACCELERATION: f64 = 1.0;
 /// Greatest excess of a bound by rounding (m/s and m/s²).
 const ROUNDING: f64 = 1e-6;
-/// Greatest excess of a velocity by the noise that is left in a recording (m/s): two standard deviations.
-const OF_RECORDING: f64 = 2.0 * VELOCITY_NOISE;
+/// Greatest excess of a velocity by noise, in standard deviations, and by what noise is left in a recording (m/s).
+const OF_NOISE: f64 = 4.0;
+const MAX_EXCESS: f64 = 2.0 * VELOCITY_NOISE;
+/// Velocities of recordings may be rounded to three decimals (m/s).
+const DECIMALS: f64 = 5e-4;
 
 /// What a pedestrian did with its body in the last three seconds of an episode, over the whole velocity vector: a turn counts as much as a change
 /// of speed.
@@ -55,7 +58,10 @@ impl PedestrianMotion {
 
     /// Measures the pedestrian of a pair at the end of the episode.
     pub fn new(pair: &Pair<'_>) -> Self {
-        let excess = if pair.is_on_map() { 0.0 } else { OF_RECORDING };
+        let excess = match pair.is_on_map() {
+            true => 0.0,
+            false => (OF_NOISE * pair.velocity_noise()).clamp(DECIMALS, MAX_EXCESS),
+        };
         Self { excess, ..Self::of(pair.walking, pair.dt()) }
     }
 

@@ -1,6 +1,8 @@
 use std::sync::Arc;
 
-use super::recording_noise::{clean_car, clean_pedestrian, noise, taken_apart, usual_speeds, walked};
+use super::recording_noise::{
+    HALF_SECOND, OF_PAIR, clean_car, clean_pedestrian, median_noise, noise, taken_apart, usual_speeds, walked,
+};
 use super::recording_parts::{Contradiction, contradiction};
 use super::recording_spikes::{remove_position_spikes, remove_spikes, remove_velocity_spikes};
 use super::recording_units::{Misfit, TrackOf, fits, misfit};
@@ -369,7 +371,7 @@ impl Recording {
         let mut scenario = pair.scenario.clone();
         scenario.episode.tick = pair.dt() / parts as f64;
         let decisions = vec![WalkCommand::default(); walking.len() - 1];
-        let trace = Trace::recorded(driving, walking, decisions, None);
+        let trace = Trace::recorded(driving, walking, decisions, None, 0.0);
         let fine = trace.pair(&scenario, 0, 0);
         (NearMiss::new(&fine), fine.frames().map(|frame| fine.gap(&frame)).fold(f64::INFINITY, f64::min))
     }
@@ -420,12 +422,15 @@ impl Recording {
         }
         let mut touch = first.and_then(|_| touched(&ego, &walking));
         clean_car(&mut ego, self.dt);
-        if self.is_walked {
+        let velocity_noise = if self.is_walked {
             let positions: Vec<Vector> = walking.iter().map(|state| state.pose.position().coords).collect();
             walking = walked(&positions, self.dt);
+            noise(&positions) / HALF_SECOND
         } else {
+            let velocities: Vec<Vector> = walking.iter().map(|state| state.velocity).collect();
             clean_pedestrian(&mut walking, self.dt);
-        }
+            median_noise(&velocities, OF_PAIR)
+        };
         // Without noise they may touch a moment earlier, or later than the recording tells.
         if let Some((step, contact)) = first.and_then(|_| touched(&ego, &walking)) {
             (instants, touch) = (step + 2, Some((step, contact)));
@@ -434,6 +439,7 @@ impl Recording {
         let walking = &walking[..instants];
         let decisions = walking[1..].iter().map(|state| WalkCommand { heading: state.pose.yaw, speed: state.speed() });
         let contact = touch.map(|(_, contact)| contact);
-        (Trace::recorded(driving.collect(), walking.to_vec(), decisions.collect(), contact), is_reversed)
+        let decisions = decisions.collect();
+        (Trace::recorded(driving.collect(), walking.to_vec(), decisions, contact, velocity_noise), is_reversed)
     }
 }

@@ -7,7 +7,7 @@ use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::sim::{PedestrianState, VehicleState};
 
 /// The longest time over which noise is averaged (s).
-const HALF_SECOND: f64 = 0.5;
+pub(super) const HALF_SECOND: f64 = 0.5;
 /// The noise that remains of velocities (m/s), where half a second is long enough for it. A noise below it is none.
 pub(super) const VELOCITY_NOISE: f64 = 0.05;
 /// A noise of headings below this is none (rad).
