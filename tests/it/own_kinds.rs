@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 
 use falsify::driving::{Control, DrivingMode, DrivingPolicy, Perception, Stream};
 use falsify::language::{Catalog, PolicyKind, TakenKind, TownKind, WalkerKind, keys};
-use falsify::session::{Input, RunOptions, Session};
+use falsify::session::{Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
 use falsify::towns::{Carriageway, Node, Point, Street, TownDesign, TownParts};
 use falsify::walking::{Scene, WalkCommand, WalkPolicy};
 use program::cli::ExitCode;
@@ -142,8 +142,16 @@ fn kinds_of_the_caller_are_checked_and_run_like_the_others() {
     }
     assert_eq!(*made.lock().unwrap(), [25, 100].into(), "the default and the value of the key reach the driver");
     let table = |name: &str| std::fs::read_to_string(report.folder.join(name)).unwrap();
-    let failures = table("failures.csv");
-    assert!(failures.lines().count() > 1 && failures.lines().skip(1).all(|row| row.contains("emergency_stop")));
+    let episodes = table("episodes.csv");
+    let run = episodes.lines().nth(1).and_then(|row| row.split(',').next()).unwrap();
+    let replayed = ReplayOptions {
+        name: format!("{run}:0").parse().unwrap(),
+        report: report.folder.clone(),
+        repeat: RepeatOptions::default(),
+    };
+    let Repeated { scenario, trace, .. } = session(catalog(&made), "300 m").replay(&replayed).unwrap().episode;
+    let pair = trace.main_pair(&scenario);
+    assert!(pair.frames().len() > 1 && pair.frames().skip(1).all(|frame| frame.mode == DrivingMode::EmergencyStop));
     assert!(table("searches.csv").lines().nth(1).is_some_and(|row| row.contains("hasty")));
 }
 
