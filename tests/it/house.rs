@@ -15,8 +15,8 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/process", 880),
     ("src/export", 3_824),
     ("src/results", 26_046),
-    ("src/program", 12_414),
-    ("tests", 28_445),
+    ("src/program", 12_419),
+    ("tests", 28_453),
 ];
 
 /// Crates that only some places may name.

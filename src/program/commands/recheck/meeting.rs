@@ -9,7 +9,7 @@ use crate::cli::external_world::external_world;
 use crate::commands::compare::MAX_EXPLAINED;
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source, WhichPrograms};
 use base::seed::Seed;
-use compile::{Campaign, RunId};
+use compile::{Campaign, HERE, RunId};
 use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
@@ -215,6 +215,11 @@ impl Sides {
         all.retain(|failure| failure.violation.is_none() && failure.is_failure());
         if options.sample.is_some() || !options.only.is_empty() {
             all.extend(self.old.report.near_misses(NEAR)?);
+        }
+        // A failure of another simulator says nothing of what survives there.
+        let is_here = |failure: &Failure| failure.key.cell.world == HERE;
+        if options.world.is_some() && all.iter().any(is_here) {
+            all.retain(is_here);
         }
         if !options.only.is_empty() {
             all.retain(|failure| options.only.contains(&failure.name()));
