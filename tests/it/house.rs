@@ -15,7 +15,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/process", 880),
     ("src/export", 3_824),
     ("src/results", 26_046),
-    ("src/program", 12_419),
+    ("src/program", 12_421),
     ("tests", 28_453),
 ];
 

@@ -145,7 +145,9 @@ pub fn run(options: &RunArgs) -> Ended {
 
 /// Warns of programs that failed, and reports the exit code of a command to programs.
 pub fn ended(output: Output, ended: Ended) -> Ended {
-    failure::programs();
+    if ended.is_ok() {
+        failure::programs();
+    }
     if output == Output::Json {
         let (Ok(code) | Err(code)) = ended;
         EventLine::RunEnded { exit_code: code as u8 }.tell();

@@ -9,7 +9,7 @@ use crate::cli::external_world::external_world;
 use crate::commands::compare::MAX_EXPLAINED;
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source, WhichPrograms};
 use base::seed::Seed;
-use compile::{Campaign, HERE, RunId};
+use compile::{Campaign, RunId};
 use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
@@ -217,7 +217,7 @@ impl Sides {
             all.extend(self.old.report.near_misses(NEAR)?);
         }
         // A failure of another simulator says nothing of what survives there.
-        let is_here = |failure: &Failure| failure.key.cell.world == HERE;
+        let is_here = |failure: &Failure| !failure.key.cell.is_elsewhere();
         if options.world.is_some() && all.iter().any(is_here) {
             all.retain(is_here);
         }
