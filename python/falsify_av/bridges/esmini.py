@@ -83,11 +83,11 @@ class Esmini:
     """A library of esmini. Its car is object 0, pedestrians follow."""
 
     def __init__(self, path: Path) -> None:
-        self.library = CDLL(str(path))
+        self.esmini = CDLL(str(path))
         for name, (result, arguments) in FUNCTIONS.items():
-            if not hasattr(self.library, name):
+            if not hasattr(self.esmini, name):
                 raise SystemExit(f"this library of esmini has no function {name}: build a newer one, 3.6.0 or later")
-            function = getattr(self.library, name)
+            function = getattr(self.esmini, name)
             function.restype, function.argtypes = result, arguments
         self.vehicle: int | None = None
         self.folder = tempfile.TemporaryDirectory()
@@ -102,8 +102,8 @@ class Esmini:
         self.tick, self.car, self.bodies = message["tick_s"], message["vehicle"], message["pedestrians"]
         self.map = Path(self.folder.name) / "town.xodr"
         self.map.write_text(message["map"], encoding="utf-8")
-        self.library.SE_SetOptionPersistent(b"disable_stdout")
-        self.library.SE_SetLogFilePath(str(Path(self.folder.name) / "log.txt").encode())
+        self.esmini.SE_SetOptionPersistent(b"disable_stdout")
+        self.esmini.SE_SetLogFilePath(str(Path(self.folder.name) / "log.txt").encode())
         x, y = message["lanes"][0]
         ego = {"x": x, "y": y, "yaw": 0.0, "speed": 0.0}
         self.start({"ego": ego, "driver": None, "route": [], "seed": 0, "pedestrians": [ego for _ in self.bodies]})
@@ -118,12 +118,12 @@ class Esmini:
         self.start(message)
         ego = message["ego"]
         if self.vehicle is not None:
-            self.library.SE_SimpleVehicleDelete(self.vehicle)
+            self.esmini.SE_SimpleVehicleDelete(self.vehicle)
             self.vehicle = None
         if not message["driver"]:
             back, base = BEHIND * self.car["wheelbase"], self.car["wheelbase"]
             x, y = ego["x"] - back * math.cos(ego["yaw"]), ego["y"] - back * math.sin(ego["yaw"])
-            self.vehicle = self.library.SE_SimpleVehicleCreate(x, y, ego["yaw"], base, ego["speed"])
+            self.vehicle = self.esmini.SE_SimpleVehicleCreate(x, y, ego["yaw"], base, ego["speed"])
         self.place(message["pedestrians"])
         return self.now()
 
@@ -131,10 +131,10 @@ class Esmini:
         """One tick. esmini's drivers see the pedestrians as they were at its start."""
         if self.vehicle is not None:
             control = message["control"]
-            self.library.SE_SimpleVehicleControlAccAndSteer(self.vehicle, self.tick, control["acceleration"], control["wheel_angle"])
+            self.esmini.SE_SimpleVehicleControlAccAndSteer(self.vehicle, self.tick, control["acceleration"], control["wheel_angle"])
             if self.simple().speed < 0.0:
-                self.library.SE_SimpleVehicleSetSpeed(self.vehicle, 0.0)
-        self.library.SE_StepDT(self.tick)
+                self.esmini.SE_SimpleVehicleSetSpeed(self.vehicle, 0.0)
+        self.esmini.SE_StepDT(self.tick)
         self.place(message["pedestrians"])
         return self.now()
 
@@ -142,16 +142,16 @@ class Esmini:
         """Start a scenario."""
         file = Path(self.folder.name) / "episode.xosc"
         file.write_text(self.scenario(message), encoding="utf-8")
-        self.library.SE_Close()
-        self.library.SE_SetSeed(message["seed"] % 2**32)
-        if self.library.SE_Init(str(file).encode(), 0, 0, 0, 0) != 0:
+        self.esmini.SE_Close()
+        self.esmini.SE_SetSeed(message["seed"] % 2**32)
+        if self.esmini.SE_Init(str(file).encode(), 0, 0, 0, 0) != 0:
             raise SystemExit("esmini cannot start the scenario")
 
     def place(self, pedestrians: list[Message]) -> None:
         """Put the pedestrians where they are at the end of the tick."""
         for number, told in enumerate(pedestrians, start=1):
             self.report(number, told["x"], told["y"], told["yaw"])
-            self.library.SE_ReportObjectVel(number, told["vx"], told["vy"], 0.0)
+            self.esmini.SE_ReportObjectVel(number, told["vx"], told["vy"], 0.0)
 
     def now(self) -> Message:
         """The state of everybody."""
@@ -164,19 +164,19 @@ class Esmini:
 
     def report(self, number: int, x: float, y: float, yaw: float) -> None:
         """Put an object somewhere."""
-        self.library.SE_ReportObjectPosXYH(number, x, y, yaw)
+        self.esmini.SE_ReportObjectPosXYH(number, x, y, yaw)
 
     def state(self, number: int) -> ObjectState:
         """Where an object is."""
         seen = ObjectState()
-        if self.library.SE_GetObjectState(number, byref(seen)) != 0:
+        if self.esmini.SE_GetObjectState(number, byref(seen)) != 0:
             raise SystemExit(f"esmini has lost object {number}")
         return seen
 
     def simple(self) -> SimpleState:
         """Where the simple vehicle is."""
         seen = SimpleState()
-        self.library.SE_SimpleVehicleGetState(self.vehicle, byref(seen))
+        self.esmini.SE_SimpleVehicleGetState(self.vehicle, byref(seen))
         return seen
 
     def nearest(self, x: float, y: float) -> tuple[float, float]:
@@ -186,7 +186,7 @@ class Esmini:
             self.report(0, x + east, y + north, 0.0)
             there = self.state(0)
             for along in (0.0, -BESIDE, BESIDE):
-                self.library.SE_ReportObjectRoadPos(0, there.road, there.lane, 0.0, max(there.s + along, 0.0))
+                self.esmini.SE_ReportObjectRoadPos(0, there.road, there.lane, 0.0, max(there.s + along, 0.0))
                 seen = self.state(0)
                 found.append((math.dist((x, y), (seen.x, seen.y)), (seen.x, seen.y)))
             if min(found)[0] < CLOSE:

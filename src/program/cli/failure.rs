@@ -44,7 +44,7 @@ pub fn notice(notice: &Notice) {
     }
 }
 
-/// Warns if programs ended, or were late, in this process. Several episodes run at once, and each in which that happens is run again alone: what
+/// Warns if programs crashed or timed out in this process. Several episodes run at once, and each in which that happens is repeated alone: what
 /// happens only among others is in no result.
 pub fn programs() {
     let times = match process::failures() {
@@ -54,6 +54,6 @@ pub fn programs() {
         times => format!("{times} times"),
     };
     console::warn(&format!(
-        "programs ended, or were late, {times}; an episode that ends when it is repeated alone counts as others do"
+        "programs crashed or timed out {times}; the column `error` of `episodes` names the episodes without a result"
     ));
 }
