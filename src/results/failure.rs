@@ -232,6 +232,14 @@ impl Failure {
         self.verdict.map_or("not judged", |label| label.word(self.fault))
     }
 
+    /// What it counts as, and the requirement that it violates or the speed of the touch.
+    pub fn in_words(&self) -> String {
+        match &self.violation {
+            Some(violation) => format!("{}, violates `{}`", self.word(), violation.requirement),
+            None => format!("{}, {:.1} m/s", self.word(), self.impact_speed),
+        }
+    }
+
     /// Whether a search found it.
     pub fn is_of_search(&self) -> bool {
         self.found_by == FoundBy::Search

@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 8_061),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_046),
-    ("src/program", 12_421),
-    ("tests", 28_453),
+    ("src/results", 26_048),
+    ("src/program", 12_420),
+    ("tests", 28_456),
 ];
 
 /// Crates that only some places may name.

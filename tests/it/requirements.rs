@@ -335,6 +335,9 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     for link in links {
         assert_eq!(page.matches(&format!("id=\"play-{link}\"")).count(), 1, "{link} has one player");
     }
+    for found in &slow {
+        assert_eq!(found.in_words(), format!("{}, violates `slow_pass`", found.word()));
+    }
     let avoidable = listed("preventable");
     assert!(!avoidable.is_empty() && avoidable.len() >= blamed.len() && listed("no_verdict").is_empty());
     let found = slow.iter().filter(|failure| failure.is_of_search() && failure.fault).count();

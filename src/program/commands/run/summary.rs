@@ -56,12 +56,11 @@ pub fn show_overview(overview: &OverviewFiles) {
 
 /// A failure in a line, and the commands that show it.
 fn look_at(worst: &Failure, folder: &Path, options: &str) -> String {
-    let (cell, impact_speed) = (&worst.key.cell, worst.impact_speed);
+    let cell = &worst.key.cell;
     let CellKey { policy, town, .. } = cell;
     let there = if cell.is_elsewhere() { format!(" ({})", cell.world) } else { String::new() };
-    let class = worst.word();
-    let name = worst.name();
-    let worst = format!("worst: {policy} in {town}{there}, {class}, {impact_speed:.1} m/s, by {}", worst.finder());
+    let (what, name) = (worst.in_words(), worst.name());
+    let worst = format!("worst: {policy} in {town}{there}, {what}, by {}", worst.finder());
     if !folder.join(format!("{EPISODES}.parquet")).is_file() {
         return format!("{worst}\n  the tables are CSV only; --formats csv,parquet writes what `falsify replay` reads");
     }

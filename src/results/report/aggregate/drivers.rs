@@ -42,15 +42,9 @@ impl DriverResult {
     /// Its worst failure in words, or why there is none.
     pub fn worst_in_words(&self) -> String {
         match &self.worst {
-            Some(found) => {
-                let what = match &found.violation {
-                    Some(violation) => format!("violates `{}`", violation.requirement),
-                    None => format!("{:.1} m/s", found.impact_speed),
-                };
-                // Rates beside it are those of evaluations.
-                let by = if found.is_of_search() && self.cell.is_some() { ", by a search" } else { "" };
-                format!("{}, {what}{by}", found.word())
-            }
+            // Rates beside it are those of evaluations.
+            Some(found) if found.is_of_search() && self.cell.is_some() => format!("{}, by a search", found.in_words()),
+            Some(found) => found.in_words(),
             None if self.episodes == 0 => "no episode".into(),
             None => "no collision".into(),
         }

@@ -21,14 +21,14 @@ const NOT_ASKED: &str = "not asked: the driver is a program, or its failure does
 /// The distinct failures with their causes.
 pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
     let row = |finding: &DistinctFailure| {
-        let Failure { key, impact_speed, .. } = &finding.failure;
+        let Failure { key, impact_speed, impact, .. } = &finding.failure;
         vec![
             Value::Code(finding.failure.name()),
             Value::from(&key.cell.policy),
             Value::from(&key.cell.town),
             Value::from(finding.failure.finder()),
             Value::from(finding.failure.violation.as_ref().map_or("collision", |violated| &violated.requirement)),
-            Value::Number(Some(*impact_speed), 1),
+            Value::Number(impact.is_some().then_some(*impact_speed), 1),
             Value::Count(finding.merged as u64),
             finding.commands.map_or_else(|| "–".into(), |[before, now]| format!("{before} → {now}").into()),
             Value::from(finding.cause.as_deref().unwrap_or(NOT_ASKED)),
