@@ -1,4 +1,4 @@
-//! Finds crossings in which a self-driving car hits a pedestrian whom a careful driver would have spared.
+//! Finds collisions of a self-driving car with a pedestrian that a careful human avoids.
 //!
 //! A scenario file declares towns, driving policies, spawn places and rewards, and the campaigns that are run with them; `grammar/README.md`
 //! describes the language. A [`Session`](session::Session) checks scenario files, runs their campaigns, and reads reports back:

@@ -215,7 +215,7 @@ def compare(
 
     Args:
         before, after: Two reports, or one and ``drivers``.
-        drivers: The driving policy before and the one after.
+        drivers: The driver before and the one after.
         page: A file for a page with both episodes of the worst changes side by side.
         arguments: Further arguments of ``falsify compare``.
     """

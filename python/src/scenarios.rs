@@ -46,7 +46,7 @@ pub struct Choice {
     pub block: u32,
     /// Name of the town.
     pub town: String,
-    /// Name of the driving policy.
+    /// Name of the driver.
     pub policy: String,
     /// Name of the reward; empty if the block has none.
     pub reward: String,

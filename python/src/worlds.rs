@@ -115,7 +115,7 @@ impl Worlds {
         self.worlds().len()
     }
 
-    /// Names of the campaign, the town, the driving policy and the reward.
+    /// Names of the campaign, the town, the driver and the reward.
     #[getter]
     fn names(&self) -> (&str, &str, &str, &str) {
         let [campaign, town, policy, reward] = &self.names;

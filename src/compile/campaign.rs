@@ -2,7 +2,7 @@ use base::keys;
 use base::signature::{DeclarationId, Form, Keys};
 
 keys! {
-    /// What is run: which pedestrians are trained, where they are evaluated, and which falsifiers are compared.
+    /// What is run: which pedestrians are trained, where they are evaluated, and which searches are compared.
     pub struct CampaignKeys = "campaign" {
         /// The model of car under test.
         vehicle: DeclarationId as Reference("vehicle"),

@@ -103,7 +103,7 @@ impl Catalog {
         self.opener.is_some()
     }
 
-    /// The same with one more kind of driving policy, which scenarios name like the built-in ones.
+    /// The same with one more kind of driver, which scenarios name like the built-in ones.
     ///
     /// # Errors
     /// A kind of this name exists.

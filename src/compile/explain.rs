@@ -23,7 +23,7 @@ const TOPICS: [(&str, &str); 7] = [
     ("signals", "what requirements can name of a role, as in `child.gap` and `gap(child, van)`"),
     ("functions", "what formulas can call"),
     ("units", "what quantities are written in"),
-    ("state", "what the controller of a pedestrian gets"),
+    ("state", "what a pedestrian gets"),
     ("action", "what it chooses"),
 ];
 

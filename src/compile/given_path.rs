@@ -8,7 +8,7 @@ use world::env::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, 
 use world::geometry::{Point, Pose};
 
 keys! {
-    /// The pedestrian walks a stated path, whatever the car does. `scripted` follows it as it is given; other controllers choose
+    /// The pedestrian walks a stated path, whatever the car does. `scripted` follows it as it is given; other pedestrians choose
     /// its pace and turn it about its first point by their first command.
     pub struct GivenPathKeys = "given_path" {
         /// Poses of which the ego takes one.

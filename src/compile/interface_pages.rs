@@ -10,7 +10,7 @@ pub fn state() -> String {
     let spec = |frame, scaling, speed| ObservationSpec { frame, scaling, speed, rays: 0, others: 0 };
     let usual = spec(ReferenceFrame::Heading, Scaling::Natural, ObservedSpeed::Ego);
     let mut page = format!(
-        "state: what the controller of a pedestrian gets before each decision, {} numbers in this order\n\n",
+        "state: what a pedestrian gets before each decision, {} numbers in this order\n\n",
         ObservationSpec::DIM
     );
     list(&mut page, &usual.components());
@@ -54,10 +54,8 @@ pub fn action() -> String {
         frame: ReferenceFrame::Heading,
         scaling,
     };
-    let mut page = format!(
-        "action: what the controller of a pedestrian chooses in each decision, {} numbers in this order\n\n",
-        ActionSpec::DIM
-    );
+    let mut page =
+        format!("action: what a pedestrian chooses in each decision, {} numbers in this order\n\n", ActionSpec::DIM);
     list(&mut page, &spec(Scaling::Natural).components());
     let all = [
         ReferenceFrame::Heading,

@@ -115,7 +115,7 @@ pub struct PublishedCell {
     pub rewards: Vec<String>,
     /// Names of towns.
     pub towns: Vec<String>,
-    /// Names of driving policies.
+    /// Names of drivers.
     pub policies: Vec<String>,
     pub figures: Vec<PublishedFigure>,
 }

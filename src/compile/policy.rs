@@ -20,7 +20,7 @@ use world::av::{
 };
 use world::env::PolicyMaker;
 
-/// All kinds of driving policies; a new one is a line here.
+/// All kinds of drivers; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
     vec![
         PolicyKind::new(BehaviorAgent::from_keys),

@@ -7,7 +7,7 @@ use lang::hir::Declaration;
 use world::av::DrivingPolicy;
 use world::env::PolicyMaker;
 
-/// A kind of driving policy: the keys that it takes, and how one is made.
+/// A kind of driver: the keys that it takes, and how one is made.
 #[derive(Clone)]
 pub struct PolicyKind {
     /// Its name, its keys and its documentation.

@@ -52,7 +52,7 @@ keys! {
         vehicle: Option<DeclarationId> as Reference("vehicle"),
         /// Its driver. Without one it is parked: it hides what is behind it, and pedestrians walk around it.
         policy: Option<DeclarationId> as Reference("policy"),
-        /// The car behind which it drives at the start of the encounter, as fast as it.
+        /// The car behind which it drives at the start of the episode, as fast as it.
         behind: Option<Leader>,
         /// Its time gap to the bumper of that car; at least 2 m.
         gap: Distribution as drawn(TIME, 0.0, 60.0) = "1 s .. 2 s",
@@ -411,7 +411,7 @@ impl Lowering<'_> {
                 && followers.iter().any(|follower| follower.declaration.id == anchor)
             {
                 let message = format!(
-                    "`{}` is placed by a car that gets its place when the encounter starts",
+                    "`{}` is placed by a car that gets its place when the episode starts",
                     each.declaration.name
                 );
                 self.contradict(span, message, "place it relative to `ego` or to another role");

@@ -84,8 +84,8 @@ impl<'a> Film<'a> {
             background.pixels[row * SIZE[0]..(row + 1) * SIZE[0]].fill(PAPER);
         }
         let end = match episode.outcome.impact_speed() {
-            Some(speed) => format!("hit at {speed:.1} m/s"),
-            None => format!("no hit, least gap {:.2} m", episode.outcome.least_gap),
+            Some(speed) => format!("collision at {speed:.1} m/s"),
+            None => format!("no collision, least gap {:.2} m", episode.outcome.least_gap),
         };
         let verdict = episode.verdict.map(|verdict| verdict.word().to_owned());
         let headline = [Some(end), verdict].into_iter().flatten().collect::<Vec<_>>().join(", ");

@@ -66,11 +66,11 @@ keys! {
         /// Last states that the pedestrian sees, the newest included; zeros stand for those before the first.
         frame_stack: usize as whole(1, 256) = "1",
         /// Starts of moving cars that are kept for each driver and town: an episode begins with a copy of one, drawn at random, instead of a
-        /// run-up of its own, which takes more ticks than most encounters. Without it every start is fresh, as it is in a
+        /// run-up of its own, which takes more ticks than most episodes. Without it every start is fresh, as it is in a
         /// `search`, in evaluations, for drivers that cannot be copied and for cars without a run-up.
         starts: Option<usize> as whole(1, 100_000),
         /// Share of these copies that are of hard starts, as far as there are enough: of ten times as many starts, those from which one of twelve
-        /// crossings ends in a fault, or in a failure where the reward does not ask for faults. It needs `starts`. reports/learning.md has what it gains.
+        /// scripted walks ends in a fault, or in a failure where the reward does not ask for faults. It needs `starts`. reports/learning.md has what it gains.
         hard_starts: Option<f64> as share(),
         /// Whether states are standardised by what was seen so far.
         normalize_observations: bool = "false",

@@ -1,4 +1,4 @@
-//! Driving policies of other programs, rebuilt from their recorded decisions.
+//! Drivers of other programs, rebuilt from their recorded decisions.
 
 pub mod behavior_agent;
 pub mod lav;

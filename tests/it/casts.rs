@@ -103,7 +103,7 @@ fn casts_that_cannot_be_placed_or_named_are_refused() {
         (
             "a: vehicle(policy: idm(), behind: ego)  b: pedestrian(walker: natural, beside: a)  c: pedestrian()",
             "",
-            "gets its place when the encounter starts",
+            "gets its place when the episode starts",
         ),
         ("ego: pedestrian()", "", "is a word of casts"),
         ("a: pedestrian()", "requirements: [me]", "ego to itself"),

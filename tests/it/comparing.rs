@@ -62,7 +62,7 @@ fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
     assert_eq!(names(&["--driver", "slow", "--min-speed", "1"]).lines().count(), fast);
     // A word that no report has is a mistake, not an empty list.
     for (option, wrong, known) in [
-        ("--controller", "none_such", "known are: home, intercept, random"),
+        ("--found-by", "none_such", "known are: home, intercept, random"),
         ("--driver", "slwo", "no report has a driver `slwo`"),
         ("--kind", "frnt", "no report has a word of a kind `frnt`"),
     ] {

@@ -199,7 +199,7 @@ fn what_cannot_walk_is_an_error_with_the_remedy() {
     let typo = check("[mine, homing]", "[mime]");
     assert!(typo.contains("`mime`") && typo.contains("`mine`"), "{typo}");
     let taken = check("mine", "random");
-    assert!(taken.contains("`random` is the name of a built-in controller"), "{taken}");
+    assert!(taken.contains("`random` is the name of a built-in `controller`"), "{taken}");
 }
 
 #[test]

@@ -260,7 +260,7 @@ fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_
         row[at("value")].parse::<f64>().unwrap() as usize
     };
     assert_eq!((value("errors"), value("episodes")), (errors, EPISODES as usize - errors));
-    assert!(summary.contains(&format!("In {errors} more episodes the driver or the controller failed")), "{summary}");
+    assert!(summary.contains(&format!("In {errors} more episodes the driver or the pedestrian failed")), "{summary}");
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn status_has_the_newest_update_of_a_training_under_way() {
     child.kill().unwrap();
     child.wait().unwrap();
     let under_way = text.lines().find(|line| line.contains("under way: train r1 in harbour against blind, run 0"));
-    assert!(under_way.is_some_and(|line| line.contains("mean reward") && line.contains("% hit")), "{text}");
+    assert!(under_way.is_some_and(|line| line.contains("mean reward") && line.contains("% collisions")), "{text}");
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let newest = &json["learning"][0];
     assert_eq!(newest["training"], "r1 in harbour against blind, run 0");
@@ -144,7 +144,7 @@ fn events_of_a_training_end_with_its_last_row_and_a_curve_that_cannot_be_written
         // The reward is 1 for a hit and 0 otherwise.
         assert_eq!(learning["collision_rate"], learning["mean_reward"]);
         let note = event["note"].as_str().unwrap();
-        assert!(note.contains("mean reward") && note.contains("% hit"), "{note}");
+        assert!(note.contains("mean reward") && note.contains("% collisions"), "{note}");
     }
 }
 

@@ -237,7 +237,7 @@ impl Lowering<'_> {
                         "`{}` is not the target of the test `{}`: that is a target of body `{target}`",
                         walker.name, spawn.name
                     );
-                    let help = format!("name an adversary with `body: {target}` or `body: {target}_box`");
+                    let help = format!("name an `adversary` with `body: {target}` or `body: {target}_box`");
                     self.said.push(diagnostics::contradiction(place, message).help(help));
                     return false;
                 }

@@ -53,7 +53,7 @@ pub struct Estimation {
     /// The requirement whose violations are estimated; empty for collisions.
     pub requirement: String,
     pub town: String,
-    /// Name of the driving policy.
+    /// Name of the driver.
     pub policy: String,
     pub scenario: Arc<Scenario>,
     /// The pedestrian.

@@ -27,13 +27,13 @@ pub fn trained_without_training(span: Span) -> Diagnostic {
 /// One policy is to move each of several trained pedestrians, which see or choose other numbers.
 pub fn unshared_policy(span: Span) -> Diagnostic {
     let message = "`shared` of the training needs pedestrians that see and choose the same";
-    contradiction(span, message.into()).help("give the trained roles of the cast one adversary, or leave `shared` out")
+    contradiction(span, message.into()).help("give the trained roles of the cast one `adversary`, or omit `shared`")
 }
 
 /// A search is to learn what each pedestrian adds.
 pub fn removal_search(span: Span) -> Diagnostic {
     let message = "`shared: removal` runs episodes again, in ticks that the budget of a search does not have";
-    contradiction(span, message.into()).help("give the falsifier a `training` with `shared: team` or `shared: own`")
+    contradiction(span, message.into()).help("give the `falsifier` a `training` with `shared: team` or `shared: own`")
 }
 
 /// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.
@@ -195,7 +195,7 @@ pub fn native_here(span: Span, name: &str) -> Diagnostic {
 /// A driver of ours is to drive in a simulator whose cars only their own drivers drive.
 pub fn not_driven_by_ours(span: Span, name: &str, world: &str) -> Diagnostic {
     contradiction(span, format!("`{name}` cannot drive in `{world}`, whose cars only its own drivers drive"))
-        .help("name a policy of the kind `native`")
+        .help("name a driver of the kind `native`")
 }
 
 /// A driver of another simulator does not see traffic lights.
@@ -220,9 +220,9 @@ pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
 
 /// A controller cannot walk as this adversary.
 pub fn unfit_controller(span: Span, controller: &str, adversary: &str, reason: &str) -> Diagnostic {
-    let message = format!("`{controller}` cannot walk as the adversary `{adversary}`: {reason}");
+    let message = format!("`{controller}` cannot walk as the `adversary` `{adversary}`: {reason}");
     Diagnostic::error("unfit-controller", span, message)
-        .help("give the campaign, or `adversaries` of this block, the adversary of its training")
+        .help("give the campaign, or `adversaries` of this block, the `adversary` of its training")
 }
 
 /// Something is farther (m) from every street than any actor.

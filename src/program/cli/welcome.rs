@@ -2,7 +2,7 @@
 
 /// The first steps.
 pub const WELCOME: &str = "\
-falsify finds crossings in which a self-driving car hits a pedestrian whom a careful driver would have spared.
+falsify finds collisions of a self-driving car with a pedestrian that a careful human avoids.
 
 Usage: falsify <COMMAND>
 

@@ -43,7 +43,7 @@ pub struct CompareArgs {
     /// The report before and the report after; one report with --drivers.
     #[arg(required = true, num_args = 1..=2, value_name = "REPORT")]
     pub reports: Vec<PathBuf>,
-    /// The driving policy before and the one after.
+    /// The driver before and the one after.
     #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"])]
     pub drivers: Option<Vec<String>>,
     /// Form of the output; `json` is one object.
@@ -52,7 +52,7 @@ pub struct CompareArgs {
     /// Also write a page (HTML) with both episodes of the worst changes side by side.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
-    /// Fail (exit code 7) when this is true of a place, driver and controller, as 'fault_rate_p_holm < 0.05 and
+    /// Fail (exit code 7) when this is true of a place, driver and pedestrian, as 'fault_rate_p_holm < 0.05 and
     /// fault_rate_difference > 0', or of a search, as 'found_p_holm < 0.05 and found_difference > 0'; may be given several times. Columns
     /// `…_p_holm`, `…_low` and `…_high` are adjusted for all rows.
     #[arg(long, value_name = "CONDITION")]
@@ -134,7 +134,7 @@ pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
     let cells = Subject {
         judge: &|gate| gate.judge(&report::compared_cells(comparison)),
         titles: comparison.cells.iter().map(ComparedCell::title).collect(),
-        things: "place, driver and controller",
+        things: "place, driver and pedestrian",
         is_idle: false,
     };
     let searches = Subject {
@@ -146,7 +146,7 @@ pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
     condition::judge(conditions, [cells, searches], "comparison")
 }
 
-/// Compares two reports, or two driving policies, over the starts that they share.
+/// Compares two reports, or two drivers, over the starts that they share.
 ///
 /// # Errors
 /// A report cannot be read, or nothing can be compared.

@@ -34,7 +34,7 @@ pub fn demo(options: &DemoArgs) -> Ended {
     let file = options.out.join("demo.scn");
     place(&file)?;
     console::note(
-        "two pedestrians are trained to be hit by a car, and a search looks for faults of its driver: about ten seconds",
+        "two pedestrians learn to cause collisions, and a search looks for faults of its driver: about ten seconds",
     );
     let code = run::run(&run_options(&file, options))?;
     if code == ExitCode::Done {

@@ -15,7 +15,7 @@ Examples:
   falsify explain training ppo gamma         one key
   falsify explain matrix                     a word of the language, with an example
   falsify explain fault                      a word of results, a column or a metric
-  falsify explain state                      what the controller of a pedestrian gets, with units and bounds";
+  falsify explain state                      what a pedestrian gets, with units and bounds";
 
 /// Options of `falsify explain`.
 #[derive(Debug, Args)]

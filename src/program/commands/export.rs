@@ -127,8 +127,8 @@ impl Exporter for Drawing {
     fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
         let Episode { name, title, scenario, trace, outcome, verdict, .. } = episode;
         let what = match (outcome.impact_speed(), verdict) {
-            (Some(speed), Some(verdict)) => format!("hit at {speed:.1} m/s, {}", verdict.word()),
-            _ => format!("no hit, minimum gap {:.2} m", outcome.least_gap),
+            (Some(speed), Some(verdict)) => format!("collision at {speed:.1} m/s, {}", verdict.word()),
+            _ => format!("no collision, minimum gap {:.2} m", outcome.least_gap),
         };
         let text = (self.draw)(scenario, trace, *verdict, &format!("{name}: {what}"), title);
         let name = format!("{}{}", name.replace(':', "-"), self.ending);

@@ -51,26 +51,26 @@ pub struct FailuresArgs {
     /// bump, violation, no_verdict.
     #[arg(long, value_delimiter = ',', value_name = "VERDICT", value_parser = verdict)]
     pub verdict: Vec<String>,
-    /// Only failures of these driving policies.
+    /// Only failures of these drivers.
     #[arg(long, value_delimiter = ',', value_name = "NAME")]
     pub driver: Vec<String>,
-    /// Only failures that these controllers or falsifiers found.
+    /// Only failures that these pedestrians or searches found.
     #[arg(long, value_delimiter = ',', value_name = "NAME")]
-    pub controller: Vec<String>,
+    pub found_by: Vec<String>,
     /// Only failures whose kind has all of these words, as front,occluded,cruise.
     #[arg(long, value_delimiter = ',', value_name = "WORDS")]
     pub kind: Vec<String>,
     /// Only violations of these requirements of the campaign.
     #[arg(long, value_delimiter = ',', value_name = "NAME")]
     pub requirement: Vec<String>,
-    /// Only failures in which the car was at least this fast at the touch (m/s).
+    /// Only failures in which the car was at least this fast at the collision (m/s).
     #[arg(long, default_value_t = 0.0, value_name = "SPEED")]
     pub min_speed: f64,
     /// The order.
     #[arg(long, default_value = "severity", value_name = "ORDER", value_parser = choice([
         ("severity", FailureOrder::Severity, "Fault first, then by verdict; in each the fastest first"),
         ("speed", FailureOrder::Speed, "The fastest first"),
-        ("time", FailureOrder::Time, "The shortest time to the touch first"),
+        ("time", FailureOrder::Time, "The shortest time to the collision first"),
         ("report", FailureOrder::Report, "As in the report"),
     ]))]
     pub sort: FailureOrder,
@@ -113,7 +113,7 @@ impl Default for FailuresArgs {
             report: "reports".into(),
             verdict: Vec::new(),
             driver: Vec::new(),
-            controller: Vec::new(),
+            found_by: Vec::new(),
             kind: Vec::new(),
             requirement: Vec::new(),
             min_speed: 0.0,
@@ -161,7 +161,7 @@ impl FailuresArgs {
         let has = |word: &String| kind.split(", ").any(|part| part == word.replace('_', " "));
         (self.verdict.is_empty() && !failure.is_bump() || self.verdict.iter().any(verdict))
             && among(&self.driver, &failure.key.cell.policy)
-            && among(&self.controller, &failure.key.cell.controller)
+            && among(&self.found_by, &failure.key.cell.controller)
             && self.kind.iter().all(has)
             && failure.impact_speed >= self.min_speed
             && violated
@@ -182,7 +182,7 @@ pub struct FoundFailure {
 #[derive(Debug, Default)]
 struct KnownWords {
     drivers: BTreeSet<String>,
-    controllers: BTreeSet<String>,
+    finders: BTreeSet<String>,
     kinds: BTreeSet<String>,
     requirements: BTreeSet<String>,
 }
@@ -192,11 +192,11 @@ impl KnownWords {
     fn add(&mut self, report: &StoredReport, failures: &[Failure]) -> Result<(), Error> {
         for run in report.run_rows()? {
             self.drivers.insert(run.key.cell.policy);
-            self.controllers.insert(run.key.cell.controller);
+            self.finders.insert(run.key.cell.controller);
         }
         for search in report.searches()? {
             self.drivers.insert(search.policy);
-            self.controllers.insert(search.falsifier);
+            self.finders.insert(search.falsifier);
         }
         self.requirements.extend(report.requirements()?);
         for failure in failures {
@@ -212,7 +212,7 @@ impl KnownWords {
     fn check(&self, options: &FailuresArgs) -> Result<(), Error> {
         let parts = [
             ("driver", &options.driver, &self.drivers),
-            ("controller or falsifier", &options.controller, &self.controllers),
+            ("pedestrian or search", &options.found_by, &self.finders),
             ("word of a kind", &options.kind, &self.kinds),
             ("requirement", &options.requirement, &self.requirements),
         ];
@@ -234,7 +234,7 @@ impl Session {
     /// Lists the failures of reports, of evaluations and searches alike.
     ///
     /// # Errors
-    /// No report is there, a table is damaged, or the options name a driver, a controller or a kind that no report has.
+    /// No report is there, a table is damaged, or the options name a driver, a pedestrian or a kind that no report has.
     pub fn failures(&self, options: &FailuresArgs) -> Result<Vec<FoundFailure>, Error> {
         let mut found: Vec<FoundFailure> = Vec::new();
         let mut known = KnownWords::default();

@@ -46,7 +46,7 @@ Exit codes:
   4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if condition is true
   8 a repetition differs from its report   9 tasks to merge are missing   130 stopped by Ctrl-C or SIGTERM";
 
-/// Finds crossings in which a self-driving car hits a pedestrian whom a careful driver would have spared.
+/// Finds collisions of a self-driving car with a pedestrian that a careful human avoids.
 #[derive(Debug, Parser)]
 #[command(name = "falsify", version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
@@ -105,7 +105,7 @@ pub enum Command {
     /// Compare two reports, or two drivers of one, start by start.
     #[command(after_help = compare::EXAMPLES)]
     Compare(compare::CompareArgs),
-    /// Let a new version of a driver meet old failures again, and a fixed list of crossings.
+    /// Let a new version of a driver meet old failures again, and a fixed list of episodes.
     #[command(after_help = recheck::EXAMPLES)]
     Recheck(recheck::RecheckArgs),
     /// List failures, those that count most against a driver first.

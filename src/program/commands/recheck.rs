@@ -69,7 +69,7 @@ pub struct RecheckArgs {
     /// Meet this collision or near miss again, and no others; may be given several times.
     #[arg(long, value_name = "RUN:EPISODE")]
     pub only: Vec<String>,
-    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out. 20 by default, and 0 in another simulator.
+    /// The number of starts in each town from which both drivers drive 120 episodes; 0 leaves these out. 20 by default, and 0 in another simulator.
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
     pub starts: Option<u32>,
     /// Form of the output; `json` is one object.
@@ -121,8 +121,8 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     let errors = recheck.errors();
     if code == ExitCode::Done && errors > 0 {
         console::fail(&format!(
-            "a driver, a controller or the world failed as a program in {}, which are left out; `falsify check` tries one",
-            console::count(errors as usize, "encounter")
+            "a driver, a pedestrian or the world failed as a program in {}, which are left out; `falsify check` tries one",
+            console::count(errors as usize, "episode")
         ));
         return Err(ExitCode::RunFailed);
     }

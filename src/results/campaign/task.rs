@@ -37,10 +37,10 @@ pub enum TaskError {
     #[error("its training failed: {0}")]
     Untrained(Box<TaskError>),
     /// The driver or the controller failed in this number of episodes in a row, so no more were run.
-    #[error("not run, since the driver or the controller had failed in ten episodes in a row")]
+    #[error("not run, since the driver or the pedestrian had failed in ten episodes in a row")]
     Hopeless,
     /// No encounter counted.
-    #[error("no encounter counts: driver or pedestrian failed, or the driver never arrived")]
+    #[error("no episode counts: driver or pedestrian failed, or the driver never arrived")]
     NoEncounter,
     /// It reached its time limit.
     #[error("not finished within the {seconds} s that a task may take")]

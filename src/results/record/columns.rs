@@ -16,18 +16,18 @@ pub const REWARD: Column<String> = Column::new(
 pub const TRAIN_TOWN: Column<String> =
     Column::new("train_town", "", "town of the training; empty for untrained pedestrians");
 pub const TRAIN_POLICY: Column<String> =
-    Column::new("train_policy", "", "driving policy of the training; empty for untrained pedestrians");
+    Column::new("train_policy", "", "driver of the training; empty for untrained pedestrians");
 pub const RUN: Column<u32> =
     Column::new("run", "", "number of the run, from 0; of a trained pedestrian that of its training");
 pub const CONTROLLER: Column<String> = Column::new(
     "controller",
     "",
-    "what controls the pedestrian; `trained` (the mean of its policy), `stochastic` (draws from its policy, as in training), `untrained` \
+    "the pedestrian, by what moves it; `trained` (the mean of its policy), `stochastic` (draws from its policy, as in training), `untrained` \
      (the mean of the policy with which its training begins), `random` (each command uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
      velocity)",
 );
 pub const TOWN: Column<String> = Column::new("town", "", "town of the episodes");
-pub const POLICY: Column<String> = Column::new("policy", "", "driving policy of the car");
+pub const POLICY: Column<String> = Column::new("policy", "", "the driver");
 pub const VEHICLE: Column<String> = Column::new("vehicle", "", "model of the car");
 pub const ADVERSARY: Column<String> = Column::new("adversary", "", "body of the pedestrian");
 pub const WORLD: Column<String> = Column::new(
@@ -48,10 +48,10 @@ pub const NUMBER: Column<u64> = Column::new(
 pub const OUTCOME: Column<String> = Column::new(
     "outcome",
     "",
-    "`collision` (the moving car touched the pedestrian), `bump` (the pedestrian touched the standing car), `timeout`, `lost` (the scenario's `end_when` was true, or the test of a protocol was over), or `error` (an external driver or controller failed as a program)",
+    "`collision` (the moving car touched the pedestrian), `bump` (the pedestrian touched the standing car), `timeout`, `lost` (the scenario's `end_when` was true, or the test of a protocol was over), or `error` (a driver or pedestrian failed as a program)",
 );
 pub const ERROR: Column<String> =
-    Column::new("error", "", "why the driver, or `the controller`, failed; empty otherwise");
+    Column::new("error", "", "why the driver, or `the pedestrian`, failed; empty otherwise");
 pub const LEFT_OUT: Column<String> = Column::new(
     "left_out",
     "",
@@ -80,8 +80,7 @@ pub const PET: Column<f64> = Column::new(
     "post-encroachment time at the ticks, up to two of them too long; the least time between one leaving a place and the other \
      reaching it, over all places that disc and box both sweep; missing without such a place and at a collision",
 );
-pub const DRIVING_MODE: Column<String> =
-    Column::new("driving_mode", "", "what the driver did in the last tick: after a collision, at the touch");
+pub const DRIVING_MODE: Column<String> = Column::new("driving_mode", "", "what the driver did in the last tick");
 pub const IMPACT: Column<String> = Column::new("impact", "", "side of the impact: `front`, `left`, `right` or `rear`");
 pub const EGO_X: Column<f64> = Column::new("ego_x_m", "m", "start of the car, in the world frame");
 pub const EGO_Y: Column<f64> = Column::new("ego_y_m", "m", EGO_X.doc);
@@ -137,7 +136,7 @@ pub const FAULT: Column<bool> = Column::new(
     "fault",
     "",
     "whether it counts against the driver; both careful humans avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car drove \
-     at 1 m/s or more, whichever side it hit with, and was not walked into at the flank or rear after the front had passed; of a violation, whether both careful \
+     at 1 m/s or more, on whichever side the collision was, and was not walked into at the flank or rear after the front had passed; of a violation, whether both careful \
      humans satisfy the requirement from the start of the danger on and the pedestrian moved as people do",
 );
 pub const COUNTS_AS: Column<String> = Column::new(
@@ -166,7 +165,7 @@ pub const LATEST_REACTION: Column<f64> = Column::new(
     "latest_reaction_s",
     "s",
     "longest reaction time, counted from the gate, with which a driver who brakes like `cc` avoids the collision, 5 s at most; missing when \
-     it hits even without any, and for a bump",
+     it collides even without any, and for a bump",
 );
 pub const PREVENTABLE_PROBABILITY: Column<f64> =
     Column::new("preventable_probability", "", "share of drivers who react within that time").with_role(Role::Share);

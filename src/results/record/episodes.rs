@@ -50,7 +50,7 @@ pub fn episode_table() -> Table<'static, EpisodeRow> {
 
 /// The columns of the files of episodes. The table has more, which `failures` shows and `metrics` sums up.
 pub fn episode_references() -> TableReference {
-    let doc = "One row for each episode. Episodes with equal numbers in one town have equal starts for all controllers and driving policies (equal `start`), so rows can be paired. \
+    let doc = "One row for each episode. Episodes with equal numbers in one town have equal starts for all pedestrians and drivers (equal `start`), so rows can be paired. \
                `failures` has more of those in which something failed, the manifest block, vehicle and adversary of `run_id`.";
     let of_manifest = [BLOCK.name, VEHICLE.name, ADVERSARY.name];
     let mut table =

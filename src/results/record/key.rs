@@ -10,7 +10,7 @@ pub struct CellKey {
     /// Number of the `evaluate` block, from 0.
     pub block: u32,
     pub town: String,
-    /// Name of the driving policy.
+    /// Name of the driver.
     pub policy: String,
     pub vehicle: String,
     /// Name of the adversary, for its body.
@@ -61,7 +61,7 @@ impl CellKey {
     }
 
     /// Whether another cell has the same place: the same block, town, vehicle, adversary and world. Cells of one place share their starts,
-    /// whatever their driving policies and controllers are.
+    /// whatever their drivers and pedestrians are.
     pub fn is_beside(&self, other: &Self) -> bool {
         let own = (self.block, &self.town, &self.vehicle, &self.adversary, &self.world);
         own == (other.block, &other.town, &other.vehicle, &other.adversary, &other.world)

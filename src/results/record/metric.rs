@@ -290,7 +290,7 @@ pub const PLACED_RATE: Rate = Rate::new(
     "placed_rate",
     PLACED_STARTS,
     ALL_EPISODES,
-    "their share of `all_episodes`; near 1 it never drives to where the encounter is",
+    "their share of `all_episodes`; near 1 it never drives to where the pedestrian is",
 );
 pub const LEFT_OUT_RATE: Rate =
     Rate::new("left_out_rate", LEFT_OUT_EPISODES, ALL_EPISODES, "their share of `all_episodes`");

@@ -36,17 +36,14 @@ const COMMANDS: Column<String> = Column::new(
     "of a search `heading@speed` in rad and m/s, one for each decision, in the world frame; equal seeds, starts and commands give equal digests",
 );
 const PRIORITY: Column<u32> = Column::new("priority", "", "rank of the requirement; 1 is the most important");
-const AT_COLLISION: Column<bool> = Column::new(
-    "at_collision",
-    "",
-    "of a violation, whether the touch of a collision decides, which is a failure by itself",
-);
+const AT_COLLISION: Column<bool> =
+    Column::new("at_collision", "", "of a violation, whether a collision decides, which is a failure by itself");
 const PREVENTABLE: Column<bool> = Column::new(
     "preventable",
     "",
     "of a violation, whether both careful humans satisfy the requirement from the start of the danger on; missing where the requirement has no verdict",
 );
-/// The table of failures: touches of evaluations and violations in them, then what searches found.
+/// The table of failures: collisions and bumps of evaluations and violations in them, then what searches found.
 pub fn failure_table() -> Table<'static, Failure> {
     let doc = "One row for each collision and each bump of an evaluation that counts, each violation of a requirement, and each failure that a search found, with the commands that lead to it. \
                `episodes` or `searches` has the run of `run_id`.";

@@ -160,7 +160,7 @@ pub struct FileRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainingRecord {
     pub town: String,
-    /// Name of the driving policy.
+    /// Name of the driver.
     pub policy: String,
     pub reward: String,
     pub run: u32,

@@ -149,23 +149,23 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     let searched = |row: &Row<'a>| if let Found::Searched(cell) = row.found { Some(cell) } else { None };
     let mut table = Table::<Row<'a>>::new(
         "overview",
-        "One row for each cell of each report of a call: a controller or a falsifier in a town against a driver.",
+        "One row for each cell of each report of a call: a pedestrian or a search in a town against a driver.",
     )
     .text("report", "folder of the report", |row| row.variant.report.clone())
-    .text("policy", "name of the driving policy", |row| row.driver().to_string())
+    .text("policy", "name of the driver", |row| row.driver().to_string())
     .text("town", "name of the town", |row| row.town().to_string())
     .column(WORLD.of(|row: &Row<'a>| row.world().to_string()))
-    .text("controller", "the controller of the pedestrian; empty for a falsifier", move |row| {
+    .text("controller", "the pedestrian; empty for a search", move |row| {
         cell(row).map_or(String::new(), |cell| cell.key.controller.clone())
     })
-    .text("reward", "its reward; empty for a falsifier", move |row| {
+    .text("reward", "its reward; empty for a search", move |row| {
         cell(row).map_or(String::new(), |cell| cell.key.reward.clone())
     })
     .text("training", "town and driver of its training; empty without one", move |row| {
         let key = cell(row).map(|cell| &cell.key).filter(|key| key.is_trained());
         key.map_or(String::new(), |key| format!("{}, {}", key.train_town, key.train_policy))
     })
-    .text("falsifier", "the falsifier; empty for a controller", move |row| {
+    .text("falsifier", "the search; empty for a pedestrian", move |row| {
         searched(row).map_or(String::new(), |cell| cell.key.falsifier.clone())
     })
     .column(Column::<u64>::new("runs", "", "number of its runs").of(|row: &Row<'a>| match row.found {
@@ -195,7 +195,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     table
         .number(
             "search_faults_start_rate",
-            "share of starts from which the falsifier found a fault",
+            "share of starts from which the search found a fault",
             average(|cell| cell.fault_start_rate.value),
         )
         .number(
@@ -210,7 +210,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         )
         .number(
             "search_failed_starts",
-            "starts from which the falsifier found a failure, mean over runs",
+            "starts from which it found a failure, mean over runs",
             average(|cell| cell.failed_starts.value),
         )
         .number("search_starts", "starts from which it searched, mean over runs", average(|cell| cell.starts.value))

@@ -7,7 +7,7 @@ use crate::sim::Control;
 use base::keys;
 
 keys! {
-    /// Forecasts every actor at constant velocity and takes the greatest acceleration along its lane that hits none.
+    /// Forecasts every actor at constant velocity and takes the greatest acceleration along its lane without a collision.
     pub struct PredictiveKeys = "predictive" {
         ..lane: LaneKeys,
         /// How far it looks into the future (assumed).

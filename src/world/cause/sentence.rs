@@ -113,7 +113,7 @@ impl TurnedBy {
         let (a, b) = (speed(|t| t.speed(), before), speed(|t| t.speed(), now));
         let (c, d) = (speed(|t| t.braking_rate(), before), speed(|t| t.braking_rate(), now));
         format!(
-            "In {} natural crossings it drives {b:.2} m/s on average instead of {a:.2} m/s, brakes hard in {:.0} % instead of {:.0} %, and has {} faults \
+            "In {} natural episodes it drives {b:.2} m/s on average instead of {a:.2} m/s, brakes hard in {:.0} % instead of {:.0} %, and has {} faults \
              instead of {}.",
             now.episodes,
             100.0 * d,

@@ -131,7 +131,7 @@ impl Outcome {
     pub fn error(&self) -> Option<String> {
         match self.ending {
             Ending::Error(fault) => Some(format!("the driver {fault}")),
-            Ending::ControllerError(fault) => Some(format!("the controller {fault}")),
+            Ending::ControllerError(fault) => Some(format!("the pedestrian {fault}")),
             Ending::WorldError(fault) => Some(format!("the world {fault}")),
             _ => None,
         }

@@ -23,9 +23,9 @@ keys! {
         hold: u32 as ticks(1, 10_000) = "20",
         /// Most ticks of an episode.
         ticks: u32 as ticks(1, 1_000_000) = "600",
-        /// Ends the episode after a command without a hit when it holds; not in the paper.
+        /// Ends the episode after a command without a touch when it holds; not in the paper.
         end_when: Option<Formula> as Condition("step"),
-        /// A hit is frontal when the pedestrian's bearing from the ego's middle is at most this.
+        /// A touch is frontal when the pedestrian's bearing from the ego's middle is at most this.
         front: f64 as within(ANGLE, 0.0, PI) = "60 deg",
         /// Friction of the road: no car brakes, accelerates or turns with more than this times 9.81 m/s^2. Without it the
         /// figures of the `vehicle` alone hold, which are those of a dry road.

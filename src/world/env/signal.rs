@@ -101,7 +101,7 @@ variables! {
     turn: ANGLE, (-PI, PI), 0.2, Decision;
     /// Speed that the pedestrian's last command asked for.
     pace: SPEED, (0.0, WALKING), 1.0, Decision;
-    /// Least distance so far between the pedestrian and the ego's body; 0 at a hit.
+    /// Least distance so far between the pedestrian and the ego's body; 0 at a touch.
     miss_distance: LENGTH, (0.0, FARTHEST), 1.0, Decision;
     /// Least time to collision so far while the ego moved, both keeping their velocities; at most 10 s.
     min_ttc: TIME, (0.0, HORIZON), 1.0, Motion;
@@ -111,15 +111,15 @@ variables! {
     walking_acceleration: ACCELERATION, (0.0, 2.0 * WALKING / SHORTEST), 1.0, Motion;
     /// How far the pedestrian's motion turned during the last decision, positive to the left; 0 if it stood.
     walking_turn: ANGLE, (-PI, PI), 0.2, Motion;
-    /// Share of careful drivers that would have avoided the hit, from 0 to 1.
+    /// Share of careful drivers that would have avoided the collision, from 0 to 1.
     preventability: RATIO, (0.0, 1.0), 1.0, Judgement;
-    /// Part of the impact speed that a careful human would have avoided; negative if it would have hit faster.
+    /// Part of the impact speed that a careful human would have avoided; negative if it would have collided faster.
     avoidable_speed: SPEED, (-FASTEST, FASTEST), 5.0, Judgement;
     /// Least gap that a careful human would have kept; 0 if it hits as well.
     margin: LENGTH, (0.0, FARTHEST), 1.0, Judgement;
-    /// Time from the start of the danger to the hit.
+    /// Time from the start of the danger to the touch.
     warning: TIME, (0.0, MAX_TIME), 1.0, Judgement;
-    /// Time before the hit in which the car could see the pedestrian without a break, at most 3 s.
+    /// Time before the touch in which the car could see the pedestrian without a break, at most 3 s.
     seen: TIME, (0.0, MAX_TIME), 1.0, Judgement;
     /// Gap between the bodies of the ego and the pedestrian now; 0 at a touch. Of several pedestrians the nearest counts, here and below.
     gap: LENGTH, (0.0, FARTHEST), 1.0, Tick;
@@ -191,7 +191,7 @@ pub fn vocabulary() -> Vocabulary {
                       (preventable, and the pedestrian moved as real ones do), `preventable` (a careful driver would have avoided it), \
                       `moving` (the ego moved), `front` within the front sector, `other` elsewhere, `hit` without a word.",
             },
-            moving("step", "A decision has been carried out and nothing was hit."),
+            moving("step", "A decision has been carried out without a touch."),
             moving("lost", "The episode ends because its `end_when` condition holds."),
             moving("timeout", "The episode's time is up."),
             Event {

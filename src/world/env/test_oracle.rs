@@ -17,7 +17,7 @@ pub struct Judgement {
     pub fault: bool,
     /// Share of careful drivers that would have avoided it, 0 to 1.
     pub preventability: f64,
-    /// Part of the impact speed that a careful human would have avoided (m/s); negative when it would have hit faster.
+    /// Part of the impact speed that a careful human would have avoided (m/s); negative when it would have collided faster.
     pub avoidable_speed: f64,
     /// Least gap that a careful human would have kept (m); 0 when it hits.
     pub margin: f64,

@@ -31,11 +31,11 @@ use base::signature::DeclarationId;
 use learn::standard_normal;
 
 keys! {
-    /// A quality-diversity search over crossings: keeps the best of each kind of failure, and varies them at new starts.
+    /// A quality-diversity search: keeps the best episode of each kind of failure, and varies it at new starts.
     pub struct Archive = "archive" {
-        /// What a crossing is to earn; `on hit(fault)` makes it look for faults of the driver.
+        /// What an episode is to earn; `on hit(fault)` makes it look for faults of the driver.
         reward: DeclarationId as Reference("reward"),
-        /// Share of the starts at which a crossing is drawn uniformly.
+        /// Share of the starts at which the walk is drawn uniformly.
         explore: f64 as share() = "0.1",
         /// Standard deviation of a variation; 1 is the whole range of a component.
         spread: f64 as within(RATIO, 0.001, 1.0) = "0.1",
@@ -44,7 +44,7 @@ keys! {
         /// Discount for repeated failures from one start, as a fraction of their reward: with 0 a start is left
         /// after its first fault, with 1 more faults of one start count like those of others.
         again: f64 as share() = "0.3",
-        /// Share of the budget that compares what was found with `intercept` and `homing`, and with that of `from`, to choose the controller.
+        /// Share of the budget that compares what was found with `intercept` and `homing`, and with that of `from`, to choose the pedestrian.
         choice: f64 as within(RATIO, 0.0, 0.5) = "0.1",
         /// A controller that walks first from every start, such as `hunter` of std/pedestrians.scn.
         from: Option<DeclarationId> as Reference("controller"),

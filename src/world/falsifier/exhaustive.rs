@@ -1,4 +1,4 @@
-//! Tries every crossing of a grid from one start after another: a ceiling for what a search can find there.
+//! Tries every walk of a grid from one start after another: a ceiling for what a search can find there.
 //!
 //! A start from which no crossing of the grid leads to a fault is one where the driver does well, as far as the grid shows. So the share of the
 //! other starts says of two drivers which is better, whatever a pedestrian has learnt.
@@ -15,16 +15,16 @@ use base::keys;
 use base::seed::Seed;
 
 keys! {
-    /// Tries every crossing of a grid from each start: a ceiling for the other falsifiers.
+    /// Tries every walk of a grid from each start: a ceiling for other searches.
     pub struct Exhaustive = "exhaustive" {
-        /// Values of a component: 2 makes 120 crossings, 3 makes 945, 4 makes 4,032.
+        /// Values of a component: 2 makes 120 walks, 3 makes 945, 4 makes 4,032.
         levels: u32 as whole(2, 6) = "3",
         /// Most starts; the budget may end the search before.
         starts: u64 as whole(1, 1_000_000) = "1000",
     }
 }
 
-/// The crossings of a grid with this number of values of a component (at least 2): 2 makes 120 crossings, 3 makes 945, 4 makes 4,032.
+/// The walks of a grid with this number of values of a component (at least 2): 2 makes 120, 3 makes 945, 4 makes 4,032.
 pub fn crossings(levels: u32) -> Vec<Goal> {
     let shares = |count: u32| (0..count).map(move |place| f64::from(place) / f64::from(count - 1));
     let fine = 2 * levels - 1;

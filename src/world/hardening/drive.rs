@@ -16,9 +16,9 @@ keys! {
     /// What the repaired driver may cost in natural traffic.
     #[derive(Copy)]
     pub struct TrafficRule {
-        /// Share of the mean speed in natural encounters that a repair may cost.
+        /// Share of the mean speed in episodes with natural pedestrians that a repair may cost.
         progress: f64 as share() = "5 percent",
-        /// What the share of natural encounters with hard braking, above 4 m/s^2 over half a second, may rise by.
+        /// What the share of these episodes with hard braking, above 4 m/s^2 over half a second, may rise by.
         comfort: f64 as share() = "5 percent",
     }
 }

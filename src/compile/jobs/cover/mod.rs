@@ -17,7 +17,7 @@ pub struct Cover {
     /// Name of the pedestrian that walks.
     pub pedestrian: String,
     pub town: String,
-    /// Name of the driving policy.
+    /// Name of the driver.
     pub policy: String,
     /// Name of the spawn rule.
     pub spawn: String,

@@ -15,7 +15,7 @@ use lang::hir::Block;
 use world::env::{RewardRule, Scenario};
 
 keys! {
-    /// Tries every pedestrian in every town against every policy.
+    /// Tries every pedestrian in every town against every driver.
     pub struct EvaluateKeys = "evaluate" {
         ..places: PlaceKeys,
         /// Episodes of each; all pedestrians have the same starts. By default 1,000, and of the `scripted` target of a test, if it alone walks, one for each of its cases.

@@ -55,7 +55,7 @@ pub struct Evaluation {
     /// The training with whose first networks the pedestrian walks, for [`ControllerKind::First`].
     pub first: Option<Arc<Training>>,
     pub town: Arc<str>,
-    /// Name of the driving policy.
+    /// Name of the driver.
     pub policy: Arc<str>,
     pub vehicle: Arc<str>,
     /// Name of the adversary, which gives the pedestrian's body and its states and actions.

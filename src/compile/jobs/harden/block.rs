@@ -24,7 +24,7 @@ use world::hardening::{Attack, Hardening, Side, TrafficRule, Tunable, TunableKey
 const MAX_KEYS: usize = 12;
 
 keys! {
-    /// Makes a driver with fewer faults: falsifiers attack it in some towns, then its keys are searched, round after round. At the end the driver as it was
+    /// Makes a driver with fewer faults: searches attack it in some towns, then its keys are searched, round after round. At the end the driver as it was
     /// and as it has become meet other pedestrians in other towns. Keys are varied between their values in `from` and in `to`.
     pub struct HardenKeys = "harden" {
         /// Towns of the rounds.
@@ -46,7 +46,7 @@ keys! {
         candidates: u32 as whole(2, 10_000) = "40",
         /// Episodes in which each of them meets each pedestrian that an attack ended up with, beside the failures themselves.
         lessons: u32 as whole(0, 100_000) = "20",
-        /// Natural encounters in each town in which each of them shows its progress and its comfort.
+        /// Episodes with natural pedestrians in each town in which each of them shows its progress and its comfort.
         traffic: u32 as whole(1, 100_000) = "50",
         ..rule: TrafficRule,
         /// Towns of the test, in which nothing is repaired.

@@ -16,7 +16,7 @@ use world::falsifier::Falsifier;
 use world::requirement::NamedRequirement;
 
 keys! {
-    /// Lets falsifiers look for failures, each with the same budget and the same starts.
+    /// Searches for failures by several methods, each with the same budget and the same starts.
     pub struct SearchKeys = "search" {
         ..places: PlaceKeys,
         /// Who searches.
@@ -28,7 +28,7 @@ keys! {
         goal: Option<DeclarationId> as Reference("requirement"),
         /// Searches of each, with different seeds and starts.
         runs: u32 as whole(1, 10_000) = "10",
-        /// Episodes in which the pedestrian that a falsifier returns is evaluated afterwards, outside the budget.
+        /// Episodes in which the pedestrian that a search returns is evaluated afterwards, outside the budget.
         episodes: u32 as whole(0, 1_000_000) = "200",
         /// The pedestrian, instead of the campaign's `adversary`.
         adversary: Option<DeclarationId> as Reference("adversary"),

@@ -18,7 +18,7 @@ pub struct SearchKey {
     /// Name of the reward that it maximises; empty for falsifiers without one.
     pub reward: String,
     pub town: String,
-    /// Name of the driving policy.
+    /// Name of the driver.
     pub policy: String,
     /// Number of the `search` block in its campaign, from 0.
     pub block: u32,

@@ -25,7 +25,7 @@ choice! {
 }
 
 keys! {
-    /// Trains one pedestrian for every town, policy, reward and run.
+    /// Trains one pedestrian for every town, driver, reward and run.
     pub struct TrainKeys = "train" {
         ..places: PlaceKeys,
         /// Rewards to train for.

@@ -24,7 +24,7 @@ const SHORT_CANDIDATES: u32 = 2;
 pub struct TrainingKey {
     /// Name of the town; names of several that are trained in together, joined by `+`.
     pub town: String,
-    /// Name of the driving policy; names of several, joined by `+`.
+    /// Name of the driver; names of several, joined by `+`.
     pub policy: String,
     pub reward: String,
     /// Number of the run, from 0.

@@ -39,9 +39,9 @@ impl Learnt {
     pub fn told(&self) -> Option<String> {
         let reward = self.mean_reward?;
         let rate = self.collision_rate?;
-        let faults = self.fault_rate.map(|rate| format!(", {:.0} % at fault", 100.0 * rate)).unwrap_or_default();
+        let faults = self.fault_rate.map(|rate| format!(", {:.0} % faults", 100.0 * rate)).unwrap_or_default();
         Some(format!(
-            "mean reward {reward:.3}, while exploring {:.0} % hit{faults}, {} episodes",
+            "mean reward {reward:.3}, exploring: {:.0} % collisions{faults}, {} episodes",
             100.0 * rate,
             HumanCount(self.episodes)
         ))
@@ -72,9 +72,9 @@ mod tests {
         learnt.follow(&curve[..2]);
         assert_eq!((learnt.updates, learnt.episodes), (2, 7));
         learnt.follow(&curve);
-        assert_eq!(learnt.told().unwrap(), "mean reward 0.500, while exploring 25 % hit, 1,007 episodes");
+        assert_eq!(learnt.told().unwrap(), "mean reward 0.500, exploring: 25 % collisions, 1,007 episodes");
         let judged = Learnt { fault_rate: Some(0.04), ..learnt };
-        assert_eq!(judged.told().unwrap(), "mean reward 0.500, while exploring 25 % hit, 4 % at fault, 1,007 episodes");
+        assert_eq!(judged.told().unwrap(), "mean reward 0.500, exploring: 25 % collisions, 4 % faults, 1,007 episodes");
         assert_eq!(Learnt::default().told(), None);
     }
 }

@@ -19,7 +19,7 @@ use results::report::{self, Gate, GateError, Judged, SearchCell, Suite};
 pub struct GateArgs {
     /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
     /// metrics, also of searches, as 'fault_start_rate > 0.1'; may be given several times. `max over controllers
-    /// COLUMN` judges the worst controller of each place, 'learnt != yes' requires that every training learnt.
+    /// COLUMN` judges the worst pedestrian of each place, 'learnt != yes' requires that every training learnt.
     #[arg(long, value_name = "CONDITION", help_heading = "Gates")]
     pub fail_if: Vec<String>,
     /// Compare each report with this one from before, or with that of the same name in this folder of reports. --fail-if then also knows
@@ -122,7 +122,7 @@ pub fn show(report: &CampaignReport) {
         let titles: Vec<String> = names.iter().map(|name| format!("{campaign}, {name}")).collect();
         condition::tell(gate, judged, &titles);
         if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
-            console::warn(&format!("--fail-if {}: no cell of {campaign} matches it", gate.text()));
+            console::warn(&format!("--fail-if {}: no row of {campaign} matches it", gate.text()));
         }
     }
 }

@@ -71,7 +71,7 @@ pub fn columns<'a>() -> Table<'a, Changed<'a>> {
          search. `progress`, `comfort`: natural encounters in the towns of the test",
         |row| row.about.to_string(),
     )
-    .text("name", "the key, who attacks, or the figure", |row| row.name.clone())
+    .text("name", "the key, the pedestrian or search that attacks, or the figure", |row| row.name.clone())
     .text("town", "town of the test", |row| row.town.clone())
     .count("starts", "starts that count, for both where they are pairs", |row| row.starts)
     .number("before", "value before", |row| row.before)

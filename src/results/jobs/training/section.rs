@@ -12,7 +12,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
     if trainings.is_empty() {
         return None;
     }
-    let mut head: Vec<Column> = ["reward", "town", "policy"].map(Column::text).into();
+    let mut head: Vec<Column> = ["reward", "town", "driver"].map(Column::text).into();
     let is_judged = last_updates(trainings).any(|log| log.fault_rate.is_some());
     head.extend(["runs", "decisions each", "mean reward at the end", "collision rate at the end"].map(Column::number));
     head.extend(is_judged.then(|| Column::number("fault rate at the end")));
@@ -65,7 +65,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         figures: learning(trainings),
         tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
         notes: vec![
-            "Means of the last episodes of each training, while the controller still explored. \"±\" is the standard deviation over trainings. \
+            "Means of the last episodes of each training, while the pedestrian still explored. \"±\" is the standard deviation over trainings. \
              Of several candidates the one with the greatest mean reward on 1,000 validation starts is kept and shown. `figures/learning_*.svg` draw the whole course, `learning_curve.csv` has every update, \
              `pedestrians/` has the networks."
                 .into(),

@@ -49,7 +49,7 @@ pub fn columns<'a>() -> Table<'a, Update<'a>> {
     .number(
         "collision_rate",
         "share of the same episodes that ended in a collision (`rollout/success_rate`); the pedestrian explores: its \
-         actions are drawn, as those of the controller `stochastic`, where `trained` takes the mean action",
+         actions are drawn, as those of the pedestrian `stochastic`, where `trained` takes the mean action",
         |row| row.1.success_rate,
     )
     .number(

@@ -170,7 +170,7 @@ impl Gathered {
             if let Some(error) = table.error(row) {
                 self.errors += 1;
                 self.untried += u64::from(ticks.is_none());
-                self.first_error.get_or_insert_with(|| match error.strip_prefix("the controller ") {
+                self.first_error.get_or_insert_with(|| match error.strip_prefix("the pedestrian ") {
                     Some(error) => format!("episode {episode} in {town}: {} {error}", run.evaluation.controller.name()),
                     None => format!("episode {episode} in {town}: {policy} {error}"),
                 });

@@ -304,7 +304,7 @@ pub fn protocol_table() -> Table<'static, ProtocolCell> {
             Column::<f64>::new(
                 "worst_impact_speed_mps",
                 "m/s",
-                "greatest impact speed, along the path without the target's own speed; 0 without contact",
+                "greatest impact speed, along the path without the target's own speed; 0 without a collision",
             )
             .of(|row: &Row| row.impact_speed),
         )
@@ -316,7 +316,7 @@ pub fn protocol_table() -> Table<'static, ProtocolCell> {
             Column::<String>::new(
                 "worst_failure",
                 "",
-                "name of the worst collision, for `falsify replay`; empty without contact",
+                "name of the worst collision, for `falsify replay`; empty without one",
             )
             .of(|row: &Row| row.worst.clone().unwrap_or_default()),
         )

@@ -133,7 +133,7 @@ pub fn search_cell_table() -> Table<'static, SearchCell> {
         let doc = format!("Kaplan and Meier's median of `{name}`; missing if fewer than half of the runs found one");
         Entry::new::<f64, _>(format!("{name}_median").into(), "".into(), doc.into(), of).of_figure(name, Role::Plain)
     };
-    Table::new("search_cells", "One row for each falsifier, town and policy, over all runs.")
+    Table::new("search_cells", "One row for each search, town and driver, over all runs.")
         .columns(search_key(|cell: &SearchCell| &cell.key))
         .count("runs", "number of runs", |cell| cell.runs as u64)
         .column(BUDGET.of(|cell: &SearchCell| cell.budget))

@@ -8,13 +8,13 @@ use crate::record::columns::{BLOCK, POLICY, REWARD, RUN, RUN_ID, TOWN};
 use crate::record::{Column, Entry, Table};
 use compile::SearchKey;
 
-pub const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the falsifier");
+pub const FALSIFIER: Column<String> = Column::new("falsifier", "", "the search, by the name of its method");
 /// The name of a table of searches.
 pub const SEARCHES: &str = "searches";
 pub const STARTS: Column<u64> = Column::new(
     "starts",
     "",
-    "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all falsifiers",
+    "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all searches",
 );
 pub const TRIED: Column<String> = Column::new("tried", "", "numbers of these starts, as `0-31 40`");
 pub const FIRST_START: Column<String> = Column::new(
@@ -32,7 +32,7 @@ pub fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'
         FALSIFIER.of(move |row: &R| key(row).falsifier.clone()),
         REWARD
             .of(move |row: &R| key(row).reward.clone())
-            .meaning("reward that it maximises; empty for a falsifier without a reward"),
+            .meaning("reward that it maximises; empty for a search without a reward"),
         TOWN.of(move |row: &R| key(row).town.clone()),
         POLICY.of(move |row: &R| key(row).policy.clone()),
         SEARCH_BLOCK.of(move |row: &R| u64::from(key(row).block)),
@@ -52,7 +52,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     type Row<'a> = Searched<'a>;
     Table::new(
         SEARCHES,
-        "One row for each search: a falsifier in one town against one policy, one run. Rates within a search are shares of what it tried, \
+        "One row for each search: a method in one town against one driver, one run. Rates within a search are shares of what it tried, \
          not the failure rate of the driver.",
     )
     .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
@@ -85,7 +85,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     )
     .count(
         FAILED_STARTS,
-        "starts from which a failure was found; the fair count between methods that leave a start after a failure \
+        "starts from which a failure was found; the fair count between searches that leave a start after a failure \
          (`cem`, `cma_es`, `mcts`) and those that walk once from each",
         |row| row.1.failed_starts as u64,
     )
@@ -115,7 +115,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     )
     .count(
         "evaluated_episodes",
-        "fresh episodes of the controller that the falsifier ended with, outside the budget; their starts are those \
+        "fresh episodes of the pedestrian that the search ended with, outside the budget; their starts are those \
          of `evaluate`",
         |row| row.1.evaluated,
     )

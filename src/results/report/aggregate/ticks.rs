@@ -20,7 +20,7 @@ pub struct Tick<'a> {
 const STATE: [(&str, &str, usize); ObservationSpec::DIM] = [
     (
         "state_bearing",
-        "first number of the state that the pedestrian's controller gets for a decision here, in the frame and units of its adversary \
+        "first number of the state that the pedestrian gets for a decision here, in the frame and units of its `adversary` \
          (`falsify explain state`); missing where it takes no decision",
         0,
     ),
@@ -33,7 +33,7 @@ const STATE: [(&str, &str, usize); ObservationSpec::DIM] = [
 const ACTION: [(&str, &str, usize); ActionSpec::DIM] = [
     (
         "action_heading",
-        "first number of the action that the controller takes here, within its bounds (`falsify explain action`); missing where it keeps \
+        "first number of the action that the pedestrian takes here, within its bounds (`falsify explain action`); missing where it keeps \
          its command",
         0,
     ),

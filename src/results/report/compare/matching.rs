@@ -5,11 +5,11 @@ use crate::record::RunKey;
 use crate::report::read::StoredRun;
 use crate::report::{ReadError, StoredReport};
 
-/// One side of a comparison: a report, or one driving policy of it.
+/// One side of a comparison: a report, or one driver of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Side<'a> {
     pub report: &'a StoredReport,
-    /// The driving policy; all of them without it.
+    /// The driver; all of them without it.
     pub driver: Option<&'a str>,
 }
 
@@ -19,7 +19,7 @@ pub enum Incomparable {
     /// A table cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A report has no such driving policy.
+    /// A report has no such driver.
     #[error("`{report}` has no episodes of a driver `{driver}`; it has {}", known.join(", "), report = report.display())]
     NoDriver {
         /// The folder of the report.
@@ -30,7 +30,7 @@ pub enum Incomparable {
     },
     /// No run of one side is a run of the other.
     #[error(
-        "nothing can be compared: no run of `{}` has the place, controller and driver of a run of `{}`\n  the first has, for example: {}\n  the second: {}",
+        "nothing can be compared: no run of `{}` has the place, pedestrian and driver of a run of `{}`\n  the first has, for example: {}\n  the second: {}",
         folders.0.display(), folders.1.display(), examples.0, examples.1
     )]
     NoRun {

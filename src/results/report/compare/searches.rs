@@ -20,7 +20,7 @@ use world::judge::Label;
 pub struct ComparedSearch {
     pub falsifier: String,
     pub town: String,
-    /// The driving policy of either side.
+    /// The driver of either side.
     pub policies: [String; 2],
     /// Number of its block in the campaign, from 0.
     pub block: u64,
@@ -148,7 +148,7 @@ const DIFFERENCE: &str = "found_difference";
 pub fn compared_search_table() -> Table<'static, ComparedSearch> {
     type Row = ComparedSearch;
     let number = Column::<f64>::new;
-    Table::new("compared_searches", "One row for each falsifier, town and driver that both sides have.")
+    Table::new("compared_searches", "One row for each search, town and driver that both sides have.")
         .column(FALSIFIER.of(|row: &Row| row.falsifier.clone()))
         .column(TOWN.of(|row: &Row| row.town.clone()))
         .column(POLICY.of(|row: &Row| row.policies[0].clone()))

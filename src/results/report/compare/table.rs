@@ -14,8 +14,8 @@ const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less firs
 const LOW: Family<f64> = Family::new(
     "_low",
     "",
-    "low end of an interval of the difference: in 95 % of comparisons those of this rate hold the truth in all rows of single controllers, and in all rows of \
-     all untrained controllers (Bonferroni; Bonett and Price's for one run and for all untrained controllers, else Student's; missing for two and three runs; 0 for an unchanged \
+    "low end of an interval of the difference: in 95 % of comparisons those of this rate hold the truth in all rows of single pedestrians, and in all rows of \
+     all untrained pedestrians (Bonferroni; Bonett and Price's for one run and for all untrained pedestrians, else Student's; missing for two and three runs; 0 for an unchanged \
      driver)",
 )
 .with_role(Role::LowerBound);
@@ -24,31 +24,30 @@ const HOLM: Family<f64> = Family::new(
     "_p_holm",
     "",
     "probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings, the exact randomisation test over starts for all \
-     controllers), adjusted by Holm's method for this rate in all rows of single controllers, or in all rows of all untrained controllers, so that in 95 % of comparisons \
+     pedestrians), adjusted by Holm's method for this rate in all rows of single pedestrians, or in all rows of all untrained pedestrians, so that in 95 % of comparisons \
      no finding below 0.05 of either is false. Rows without a pair that differs in it count in no correction, and have 1",
 )
 .with_role(Role::AdjustedP);
 const FIXED: Family<u64> = Family::new(
     "_fixed",
     "",
-    "common starts with such a failure on the first side only; of all untrained controllers, with more of them on that side",
+    "common starts with such a failure on the first side only; of all untrained pedestrians, with more of them on that side",
 );
 const NEW: Family<u64> = Family::new("_new", "", "the same of the second side");
 const SAME: Family<u64> = Family::new(
     "_same",
     "",
-    "common starts with such a failure on both sides; of all untrained controllers, with as many",
+    "common starts with such a failure on both sides; of all untrained pedestrians, with as many",
 );
 
-pub const OTHER_POLICY: Column<String> =
-    Column::new("other_policy", "", "name of the driving policy on the second side");
+pub const OTHER_POLICY: Column<String> = Column::new("other_policy", "", "name of the driver on the second side");
 pub const MATCHED_RUNS: Column<u64> = Column::new("runs", "", "matched runs");
 
 /// The number of starts that both sides have.
 pub const COMMON_STARTS: Column<u64> = Column::new(
     "common_starts",
     "",
-    "pairs of episodes with equal starts; of all untrained controllers the number of different starts",
+    "pairs of episodes with equal starts; of all untrained pedestrians the number of different starts",
 );
 
 /// The number of pairs of episodes that tell anything of a change.
@@ -73,7 +72,7 @@ fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
     type Row = ComparedCell;
     let mut table = Table::new(
         "comparison",
-        "One row for each place, driver and controller that both sides have, and one with the controller `all untrained` for a driver that has several.",
+        "One row for each place, driver and pedestrian that both sides have, and one with the pedestrian `all untrained` for a driver that has several.",
     )
     .column(POLICY.of(|row: &Row| row.keys[0].policy.clone()))
     .column(OTHER_POLICY.of(|row: &Row| row.keys[1].policy.clone()))

@@ -46,7 +46,9 @@ pub fn requirements(found: &Findings<'_>, made: &[Section]) -> Section {
     let results = of("requirements");
     let lead = match (results, named.rows.is_empty()) {
         (Some(results), _) => results.lead.clone(),
-        (None, true) => vec![format!("{NOT_DONE} The campaign names no requirement other than that nobody is hit.")],
+        (None, true) => {
+            vec![format!("{NOT_DONE} The campaign names no requirement other than that there is no collision.")]
+        }
         (None, false) => vec![format!(
             "{NOT_DONE} No evaluation judged these requirements. Searches look for violations of their `goal` alone, which are among the failures above."
         )],

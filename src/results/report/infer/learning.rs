@@ -257,7 +257,7 @@ impl Reason {
     pub fn advice(&self) -> &'static str {
         match self {
             Self::Below { .. } | Self::NotAbove { .. } => {
-                "train for more `steps`, guide learning with a `potential`, or spawn the pedestrian where hits are easier"
+                "train for more `steps`, guide learning with a `potential`, or spawn the pedestrian where collisions are easier"
             }
             Self::Disagree { .. } => "train for more `steps`, and more `runs` to see which result is usual",
         }

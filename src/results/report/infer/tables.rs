@@ -4,12 +4,9 @@ use crate::report::SearchComparison;
 use world::judge::Reference;
 
 const OTHER_CONTROLLER: Column<String> =
-    Column::new("other_controller", "", "controller of the cell that is subtracted");
-const OTHER_POLICY: Column<String> = Column::new(
-    "other_policy",
-    "",
-    "driving policy of that cell: another one than `policy` where drivers are compared",
-);
+    Column::new("other_controller", "", "pedestrian of the cell that is subtracted");
+const OTHER_POLICY: Column<String> =
+    Column::new("other_policy", "", "driver of that cell: another one than `policy` where drivers are compared");
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 const FIGURE: Column<String> = Column::new(
     "figure",
@@ -29,7 +26,7 @@ const P_HOLM: Column<f64> = Column::new(
     "p_holm",
     "",
     "two-sided p-value, adjusted for all tests of its kind in the table by Holm's method; in 95 % of campaigns no finding of its kind \
-     below 0.05 is false; a kind is all rows that compare controllers, or all that compare drivers. Missing without a test, as where neither cell has \
+     below 0.05 is false; a kind is all rows that compare pedestrians, or all that compare drivers. Missing without a test, as where neither cell has \
      such a collision",
 );
 
@@ -57,9 +54,9 @@ pub const LEARNT: Column<String> = Column::new(
     "learnt",
     "",
     "whether the trainings of the cell learnt, by the mean reward of an episode; `no` where a training is significantly below an untrained \
-     controller with the same reward and starts, `yes` where each training is significantly above one and none is below, else `unclear`. About \
+     pedestrian with the same reward and starts, `yes` where each training is significantly above one and none is below, else `unclear`. About \
      these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for \
-     untrained controllers",
+     untrained pedestrians",
 );
 /// The metrics of a reference driver: the rate of the collisions that it does not avoid, and that of needless braking.
 pub fn reference_rates(reference: Reference) -> [ColumnReference; 2] {
@@ -120,8 +117,8 @@ impl From<&SearchComparison> for ComparedRow {
 pub fn comparison_table() -> Table<'static, ComparedRow> {
     Table::new(
         "comparisons",
-        "One row for each pair of cells with common starts, and figure: two controllers against one driver, or, where `other_policy` is not `policy`, two drivers that met the same controller. Both cells \
-         have the same town, vehicle, adversary, world and block. Rows of searches follow, which have no `vehicle`: two falsifiers, or two drivers. Each kind is adjusted on its own.",
+        "One row for each pair of cells with common starts, and figure: two pedestrians against one driver, or, where `other_policy` is not `policy`, two drivers that met the same pedestrian. Both cells \
+         have the same town, vehicle, adversary, world and block. Rows of searches follow, which have no `vehicle`: two searches, or two drivers. Each kind is adjusted on its own.",
     )
     .columns(cell_key(|row: &ComparedRow| &row.first))
     .column(OTHER_CONTROLLER.of(|row: &ComparedRow| row.second.controller.clone()))

@@ -9,7 +9,7 @@ fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> Data
     against("p", controller, reward, run, town, word)
 }
 
-/// A run against this driving policy.
+/// A run against this driver.
 fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
     let trained = if controller == "trained" { ("a", "p") } else { ("", "") };
     let cell = CellKey {

@@ -53,7 +53,7 @@ pub enum GateError {
     },
     /// Several columns are taken over controllers.
     #[error(
-        "`{text}` has `over controllers` more than once: which controller would the others be about? Write several gates"
+        "`{text}` has `over controllers` more than once: which pedestrian would the others be about? Write several gates"
     )]
     Extremes { text: String },
     /// A number is compared with a word, or words with an order.

@@ -19,7 +19,7 @@ pub struct StoredSearch {
     /// The reward that it maximises; empty without one.
     pub reward: String,
     pub town: String,
-    /// The driving policy.
+    /// The driver.
     pub policy: String,
     /// Number of its block in the campaign, from 0.
     pub block: u64,

@@ -80,7 +80,7 @@ impl Encounter {
     /// Its ends for both drivers; `None` if the old driver cannot be run, or neither has a collision.
     pub fn change(&self, place: String) -> Option<FailureChange> {
         let name = match self.name.as_str() {
-            "" => format!("start {}, crossing {}", self.start, self.crossing),
+            "" => format!("start {}, walk {}", self.start, self.crossing),
             name => name.to_owned(),
         };
         let sides = [self.before?, self.after].map(|met| SideEnd { name: name.clone(), collision: met.collision() });

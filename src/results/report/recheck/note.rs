@@ -17,7 +17,7 @@ pub enum RecheckNote {
     NoPartner { driver: String },
     /// The controllers of some failures cannot be repeated.
     #[error(
-        "failures of searches that are met by their recorded commands alone: {failures}; their falsifier chose commands, not a controller that could walk again"
+        "failures of searches that are met by their recorded commands alone: {failures}; the search chose commands, not a pedestrian that could walk again"
     )]
     CommandsAlone { failures: u64 },
     /// Failures of the report are not failures any more when the old driver drives.
@@ -30,19 +30,19 @@ pub enum RecheckNote {
     Damaged { failures: u64 },
     /// The new drivers drive in another simulator.
     #[error(
-        "the new drivers drive in `{name}` ({version}); starts, pedestrians, contacts and verdicts are those of the report"
+        "the new drivers drive in `{name}` ({version}); starts, pedestrians, collisions and verdicts are those of the report"
     )]
     Elsewhere { name: String, version: String },
     /// Encounters are left out, since a program failed.
     #[error(
-        "a driver, a controller or the world failed as a program; first in {first}. Ten failures in a row end the encounters with a driver"
+        "a driver, a pedestrian or the world failed as a program; first in {first}. Ten failures in a row end the episodes with a driver"
     )]
     Failed {
         /// The first of the failures, with what failed and why.
         first: String,
     },
     /// Encounters whose starts differ.
-    #[error("encounters that have another start with the new driver and are left out: {encounters}")]
+    #[error("episodes that have another start with the new driver and are left out: {encounters}")]
     OtherStart { encounters: u64 },
 }
 

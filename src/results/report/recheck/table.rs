@@ -3,7 +3,7 @@ use crate::record::columns::{POLICY, TOWN};
 use crate::record::{Column, Role, Table};
 
 fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::Entry<'t, R> {
-    Column::<String>::new("other_policy", "", "name of the new driving policy").of(name)
+    Column::<String>::new("other_policy", "", "name of the new driver").of(name)
 }
 
 /// What the ends of an interval are.
@@ -73,7 +73,7 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
         )
         .count(
             "failed_encounters",
-            "failures left out, since a driver, a controller or the world failed as a program",
+            "failures left out, since a driver, a pedestrian or the world failed as a program",
             |row| row.encounters.errors(),
         )
 }
@@ -86,18 +86,18 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
     let starts = |is: fn(StartFaults) -> bool| move |row: &Row| row.count_starts(is);
     Table::new(
         "recheck_crossings",
-        "One row for each driver, town and setup: every crossing of a grid from the same starts.",
+        "One row for each driver, town and setup: an episode for every walk of a grid, from the same starts.",
     )
     .column(POLICY.of(|row: &Row| row.policies[0].clone()))
     .column(other_policy(|row: &Row| row.policies[1].clone()))
     .column(TOWN.of(|row: &Row| row.town.clone()))
     .count("setup", "number of the spawn, episode and pedestrian in the town, from 0", |row| row.setup)
     .count("starts", "starts", |row| row.starts().len() as u64)
-    .count("crossings", "crossings from each start", |row| row.crossings)
-    .count("faults_before", "crossings that are a fault of the old driver", is(|before, _| before.fault))
+    .count("crossings", "episodes from each start", |row| row.crossings)
+    .count("faults_before", "episodes that are a fault of the old driver", is(|before, _| before.fault))
     .count(
         "faults_after",
-        "crossings that are a fault of the new driver",
+        "episodes that are a fault of the new driver",
         |row| row.encounters.valid().filter(|encounter| encounter.after.fault).count() as u64,
     )
     .count("faults_new", "of the new driver only", is(|before, after| after.fault && !before.fault))
@@ -105,7 +105,7 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
     .count("faults_same", "of both", is(|before, after| before.fault && after.fault))
     .count(
         "fault_starts_before",
-        "starts from which a crossing is a fault of the old driver",
+        "starts from which an episode is a fault of the old driver",
         starts(|faults| faults.before > 0),
     )
     .count("fault_starts_after", "the same of the new driver", Row::fault_starts_after)
@@ -150,7 +150,7 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
     .measure(
         "avoidable_injury_before",
         "1/1000",
-        "expected severe injuries (AIS 4 or more, or death) in the old driver's faults, for 1,000 crossings",
+        "expected severe injuries (AIS 4 or more, or death) in the old driver's faults, for 1,000 episodes",
         Row::avoidable_injury_before,
     )
     .measure("avoidable_injury_after", "1/1000", "the same in the new driver's", Row::avoidable_injury_after)
@@ -168,7 +168,7 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
     )
     .count(
         "failed_encounters",
-        "encounters left out, since a driver failed as a program",
+        "episodes left out, since a driver failed as a program",
         |row| row.encounters.errors(),
     )
 }

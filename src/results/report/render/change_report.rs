@@ -169,7 +169,7 @@ fn card(number: usize, pair: &PlayedPair) -> Markup {
                         p {
                             strong { (word) } ": "
                             @match &change.sides[side].collision {
-                                Some(found) => { (format!("hit at {:.1} m/s", found.impact_speed)) },
+                                Some(found) => { (format!("collision at {:.1} m/s", found.impact_speed)) },
                                 None => { "no collision" },
                             }
                         }

@@ -103,7 +103,7 @@ fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
         return vec![(
             "error",
             "driver",
-            format!("the driver or the controller failed in {} of {all} episodes", cell.errors),
+            format!("the driver or the pedestrian failed in {} of {all} episodes", cell.errors),
         )];
     }
     of_gates(suite, false, row)

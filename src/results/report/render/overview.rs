@@ -10,7 +10,7 @@ use crate::report::pooled::{FIGURES, Pooled, SEED};
 use crate::report::{DriverResult, Variant};
 
 /// How to read the tables.
-const READING: &str = "A row is a controller of the pedestrian, or a falsifier, in a town against a driver. Rates are shares of all episodes: the mean over runs \
+const READING: &str = "A row is a pedestrian, or a search, in a town against a driver. Rates are shares of all episodes: the mean over runs \
 ± one standard deviation. Variants of a matrix meet the same starts. `overview.csv` has the same numbers, and intervals.";
 
 pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
@@ -162,7 +162,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     if !evaluated.is_empty() {
         let mut head = head(overview);
         head.extend(place_head.clone());
-        head.extend([Column::text("controller"), Column::number("runs").page_only(), Column::number("n")]);
+        head.extend([Column::text("pedestrian"), Column::number("runs").page_only(), Column::number("n")]);
         head.extend(["fault", "preventable", "collision"].map(Column::number));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
@@ -182,7 +182,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     if !searched.is_empty() {
         let mut head = head(overview);
         head.extend(place_head.clone());
-        head.push(Column::text("falsifier"));
+        head.push(Column::text("search"));
         head.extend(["failed starts", "starts with a fault"].map(Column::text));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Searched(cell) = row.found else { unreachable!("the rows are those of searches") };

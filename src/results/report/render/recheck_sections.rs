@@ -19,7 +19,7 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
         rows => met.tables.push(failures(rows)),
     }
     let crossed = recheck.crossings.iter().map(|row| ChangeSection {
-        heading: format!("{}: {} crossings from each of {} starts", row.title(), row.crossings, row.starts().len()),
+        heading: format!("{}: {} episodes from each of {} starts", row.title(), row.crossings, row.starts().len()),
         paragraphs: verdict(row),
         tables: vec![crossings(row)],
         changes: row.changes(),
@@ -84,7 +84,7 @@ fn crossings(row: &CrossedStarts) -> Table {
     ];
     let injury = |value: Option<f64>| Value::Number(value, 2);
     let injuries = vec![
-        "avoidable severe injuries in 1,000 crossings".to_owned().into(),
+        "avoidable severe injuries in 1,000 episodes".to_owned().into(),
         injury(row.avoidable_injury_before()),
         injury(row.avoidable_injury_after()),
         none(),
@@ -111,14 +111,13 @@ fn verdict(row: &CrossedStarts) -> Vec<String> {
     let is_idle = row.encounters.count(|before, after| before.fault || after.fault) == Some(0);
     let said = counts.map(|counts| match counts {
         (0, 0) if is_idle => {
-            "no crossing is a fault of either driver, so the list says nothing about faults; --starts N looks at more"
+            "no episode is a fault of either driver, so the list says nothing about faults; --starts N looks at more"
                 .into()
         }
         (0, 0) => "from every start the new driver's faults weigh as much as those of the old one".into(),
         (worse, better) => format!("the new driver's faults weigh more from {worse} starts, and less from {better}"),
     });
     let errors = Some(row.encounters.errors()).filter(|errors| *errors > 0);
-    let errors =
-        errors.map(|errors| format!("a driver failed as a program in {errors} encounters, which are left out"));
+    let errors = errors.map(|errors| format!("a driver failed as a program in {errors} episodes, which are left out"));
     said.into_iter().chain(errors).collect()
 }

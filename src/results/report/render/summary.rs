@@ -109,7 +109,7 @@ fn words(campaign: &Campaign) -> String {
 
 /// The drivers, and which of them are surrogates.
 fn drivers(drivers: &[Driver]) -> String {
-    let mut text = String::from("\n## Driving policies\n\n");
+    let mut text = String::from("\n## Drivers\n\n");
     for driver in drivers {
         let sensors = match &driver.sensors {
             Some(name) => format!("with the sensors `{name}`"),

@@ -5,7 +5,7 @@ use rand::RngExt;
 use crate::env::{Draw, EgoSpeed, Scenario, Simulation};
 use base::seed::Seed;
 
-/// Starts of a scenario whose run-up has been driven, to be copied: a run-up takes more ticks than most encounters.
+/// Starts of a scenario whose run-up has been driven, to be copied: a run-up takes more ticks than most episodes.
 ///
 /// Start *k* depends only on the seed and on *k*; it is driven when it is first drawn, by whichever environment draws it. What is random in a copy from tick 0
 /// on is drawn from streams of its own ([`Simulation::reseed`]), so copies share their past and not their future.

@@ -8,7 +8,7 @@ pub enum TrainError {
     Learner(#[from] learn::TrainError),
     #[error("the driver failed again and again until update {update}; the last time it {fault}")]
     Driver { update: u64, fault: Fault },
-    #[error("the controller failed in ten episodes in a row; the last time it {fault}")]
+    #[error("the pedestrian failed in ten episodes in a row; the last time it {fault}")]
     Controller { fault: Fault },
 }
 

@@ -42,7 +42,7 @@ pub fn narrative(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Narrati
     events.extend(actions(&frames).into_iter().map(|(tick, action)| (time(tick - 1), action)));
     if let Some(verdict) = verdict {
         let begun = (outcome.duration - verdict.warning).max(0.0);
-        events.push((begun, format!("the danger starts, {:.2} s before the contact", verdict.warning)));
+        events.push((begun, format!("the danger starts, {:.2} s before the touch", verdict.warning)));
     }
     events.sort_by(|one, other| one.0.total_cmp(&other.0));
     if events.len() > MOST {
@@ -79,7 +79,7 @@ pub fn narrative(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Narrati
     }
 }
 
-/// An episode in a sentence or two: whether the pedestrian was in sight, whether the driver braked, how fast the car hit, and whether a careful human
+/// An episode in a sentence or two: whether the pedestrian was in sight, whether the driver braked, how fast the car was at the collision, and whether a careful human
 /// avoids it; then what it violates, and whose fault that is.
 pub fn in_short(scenario: &Scenario, trace: &Trace, judged: &Judged) -> String {
     let sentence = |(named, JudgedDegree { verdict, .. }): (&NamedRequirement, &JudgedDegree)| {
@@ -103,7 +103,7 @@ fn how_it_ended(scenario: &Scenario, trace: &Trace, Judged { outcome, verdict, .
     let unseen = frames.iter().rev().position(|frame| !pair.in_sight(frame));
     let sight = match unseen {
         None => "The pedestrian was in sight all the time.".into(),
-        Some(0) => "The pedestrian was hidden until it was hit.".into(),
+        Some(0) => "The pedestrian was hidden until the collision.".into(),
         Some(ticks) => format!("The pedestrian was in sight for {:.1} s.", ticks as f64 * dt),
     };
     let brakes = |frame: &&Frame| frame.control.brake > BRAKING;
@@ -116,8 +116,8 @@ fn how_it_ended(scenario: &Scenario, trace: &Trace, Judged { outcome, verdict, .
         (ticks, _) => format!("braked for the last {:.1} s", ticks as f64 * dt),
     };
     let part = match verdict.map(|verdict| verdict.side) {
-        Some(ContactSide::Side) => " with its flank",
-        Some(ContactSide::Rear) => " with its rear",
+        Some(ContactSide::Side) => " with the car's flank",
+        Some(ContactSide::Rear) => " with the car's rear",
         _ => "",
     };
     let careful = match verdict {
@@ -132,7 +132,7 @@ fn how_it_ended(scenario: &Scenario, trace: &Trace, Judged { outcome, verdict, .
         Some(_) => " No brake avoids it.".into(),
         None => String::new(),
     };
-    format!("{sight} The driver {brake}; the car hit{part} at {impact_speed:.1} m/s.{careful}")
+    format!("{sight} The driver {brake}; collision{part} at {impact_speed:.1} m/s.{careful}")
 }
 
 /// The violated requirements of an episode.
@@ -232,9 +232,9 @@ fn ending(outcome: &Outcome, pair: &Pair<'_>, frames: &[Frame]) -> String {
     match outcome.ending {
         Ending::Touch { front, moving, impact_speed, bearing: at, .. } => {
             let side = if front { "the front sector" } else { "a side or the rear" };
-            let car = if moving { speed(impact_speed) } else { "at rest".to_string() };
+            let (what, car) = if moving { ("collision", speed(impact_speed)) } else { ("bump", "at rest".to_string()) };
             let walking = frames.last().map_or(0.0, |last| last.pedestrian.speed());
-            format!("contact in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
+            format!("{what} in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
         }
         Ending::OtherContact { .. } => match pair.last_touch() {
             Some([first, second]) => format!("`{first}` and `{second}` touch"),
@@ -283,7 +283,7 @@ fn verdict_lines(verdict: &Verdict) -> Vec<String> {
             Some(latest) => {
                 format!("  a careful driver must brake within {latest:.2} s of noticing it; {share:.0} % of drivers do")
             }
-            None => "  a careful driver hits the pedestrian even without any reaction time".into(),
+            None => "  a careful driver collides even without any reaction time".into(),
         });
     }
     lines.extend(verdict.follower.map(|follower| match follower.deceleration {
@@ -299,9 +299,9 @@ fn verdict_lines(verdict: &Verdict) -> Vec<String> {
         let fared = match trial.impact_speed {
             None => format!("avoids it with {:.2} m to spare", trial.least_gap),
             Some(speed) => match verdict.reduction(reference) {
-                less if less >= 0.05 => format!("hits at {speed:.1} m/s, {less:.1} m/s slower"),
-                less if less <= -0.05 => format!("hits at {speed:.1} m/s, {:.1} m/s faster", -less),
-                _ => format!("hits at {speed:.1} m/s, no slower"),
+                less if less >= 0.05 => format!("collides at {speed:.1} m/s, {less:.1} m/s slower"),
+                less if less <= -0.05 => format!("collides at {speed:.1} m/s, {:.1} m/s faster", -less),
+                _ => format!("collides at {speed:.1} m/s, no slower"),
             },
         };
         format!("  {:<12} {fared}", reference.name())

@@ -8,7 +8,7 @@ use crate::report::render::summary::LEFT_OUT;
 use crate::report::render::table::{Column, Table, Value};
 use compile::Campaign;
 
-/// The driving policies, the names of the scenario, and the limits of the simulator.
+/// The drivers, the names of the scenario, and the limits of the simulator.
 pub fn meaning(campaign: &Campaign) -> Markup {
     let documented = |name: &str| campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
     let known = |name: &str| campaign.drivers.iter().any(|driver| driver.name == name);
@@ -21,7 +21,7 @@ pub fn meaning(campaign: &Campaign) -> Markup {
                 dt { (driver.name) }
                 dd {
                     @if let Some(word) = documented(&driver.name) { (prose(&word.docs)) " " }
-                    "Driving policy " code { (driver.kind) } ", "
+                    "Driver of kind " code { (driver.kind) } ", "
                     @match &driver.sensors {
                         Some(name) => { "with the sensors " code { (name) } "." },
                         None => "without sensors: it perceives exactly and without delay.",

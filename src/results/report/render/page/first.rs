@@ -46,7 +46,7 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
     let scale = Scale::new(drivers, cells, &all.searches);
     let faults_of =
         |result: &DriverResult| scale.of_driver(result, |cell| &cell.fault, |searched| searched.fault_start_rate);
-    // The worst driver of a setting is no share of itself.
+    // The worst driver of a place is no share of itself.
     let share = |share: Option<f64>| {
         let share = share.filter(|share| *share > 0.0 && (scale.blind().is_some() || *share < 1.0))?;
         Some(share_of(share, scale.blind()))
@@ -55,7 +55,7 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
         p.note {
             "A " b { "fault" } " is a collision that a careful human avoids, with a pedestrian who moves as people do. "
             @if cells.is_empty() { "Rates are means over each driver’s searches." }
-            @else { "Rates are those of each driver’s worst setting, and shares are of the same setting." }
+            @else { "Rates are of each driver’s worst pedestrian and town, and so are shares." }
         }
         @for result in drivers.iter() {
             @let blind = result.driver.sees_no_pedestrians();
@@ -89,7 +89,7 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
                     }
                 } }
                 @if let Some(cell) = cell(result).filter(|_| result.worst.is_some() && cells.len() > drivers.len()) {
-                    p.note { "worst setting: " (who(cell, cells)) " in " (place(cell, cells)) }
+                    p.note { "where that is: " (who(cell, cells)) " in " (place(cell, cells)) }
                 }
             }
         }
@@ -117,7 +117,7 @@ fn worst(found: &Failure, players: &Players) -> Markup {
             (badge(found.class(), found.word())) " "
             @match players.get(&found.name()) {
                 Some(replay) => (prose(&replay.short)),
-                None => (format!("The car hit at {:.1} m/s.", found.impact_speed)),
+                None => (format!("A collision at {:.1} m/s.", found.impact_speed)),
             }
             @if let Some(link) = players.link(&found.name()) { "\u{a0}" a.play href=(link) { "play" } }
         }

@@ -120,7 +120,7 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
             }
             @if manifest.errors > 0 {
                 p.warn {
-                    "In " (count(manifest.errors)) " episodes a driver or a controller failed as a program; no number includes them."
+                    "In " (count(manifest.errors)) " episodes a driver or a pedestrian failed as a program; no number includes them."
                 }
             }
             p.meta {
@@ -133,7 +133,7 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
     }
 }
 
-/// Which drivers under test have faults, and how often in their worst setting.
+/// Which drivers under test have faults, and how often at worst.
 fn conclusion(found: &Findings<'_>) -> String {
     let tested = found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians());
     let (lost, tested): (Vec<_>, Vec<_>) = tested.partition(|result| result.episodes == 0);

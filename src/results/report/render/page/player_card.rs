@@ -81,7 +81,7 @@ fn reference_drivers(replay: &Replay) -> Markup {
                 @for (name, hit) in &replay.drivers {
                     @match hit {
                         None => li.avoids { b { (driver(name)) } " avoids it" },
-                        Some(speed) => li.hits { b { (driver(name)) } (format!(" hits at {speed:.1} m/s")) },
+                        Some(speed) => li.hits { b { (driver(name)) } (format!(" collides at {speed:.1} m/s")) },
                     }
                 }
             }

@@ -53,7 +53,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
             table.results {
                 thead {
                     tr {
-                        th scope="col" { "controller" }
+                        th scope="col" { "pedestrian" }
                         th.number scope="col" { "runs × episodes" }
                         @for Shown { name, .. } in RATES { th scope="col" { (name) } }
                         @for name in ["impact speed", "length"] { th.number scope="col" { (name) } }
@@ -82,10 +82,10 @@ pub fn results(found: &Findings<'_>) -> Markup {
                 em { "Preventable" }
                 ": both careful human drivers would have avoided it. "
                 em { "Fault" }
-                ": preventable, with a foreseeable pedestrian, not walked into, at walking pace or more, and not narrowly. Controllers of a place meet the same starts. \
-                 Untrained controllers do the same for every reward, so they are here once."
+                ": preventable, with a foreseeable pedestrian, not walked into, at walking pace or more, and not narrowly. Pedestrians of a place meet the same starts. \
+                 Untrained pedestrians do the same for every reward, so they are here once."
                 @if scale.name().is_some() {
-                    " The thin line above a bar is the scale: from the best driver with this controller in this town to "
+                    " The thin line above a bar is the scale: from the best driver with this pedestrian in this town to "
                     @match scale.blind() {
                         Some(name) => { code { (name) } ", which sees no pedestrian." },
                         None => "the worst.",

@@ -49,7 +49,7 @@ pub fn spawns(tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
     let around = Figure {
         name: "spawns-around".into(),
         title: format!(
-            "Where pedestrians started as the car sees it (it drives upwards), and how often they hit it while it moved.{cut}"
+            "Where pedestrians started as the car sees it (it drives upwards), and how often a collision followed.{cut}"
         ),
         legend,
         panels: groups.iter().map(|group| around(&group.title, &group.around, reach)).collect(),

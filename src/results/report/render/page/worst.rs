@@ -71,14 +71,14 @@ pub fn card(found: &Failure) -> PlayerCard {
     PlayerCard {
         title: match &found.violation {
             Some(violation) => format!("{}, violates {}", found.key.cell.policy, violation.requirement),
-            None => format!("{}, hit at {:.1} m/s", found.key.cell.policy, found.impact_speed),
+            None => format!("{}, collision at {:.1} m/s", found.key.cell.policy, found.impact_speed),
         },
         verdict: (found.class(), found.word()),
         place: format!(
             "{} · {} · {} {:.1} s after the start",
             found.finder(),
             found.key.cell.town,
-            if found.violation.is_some() { "violation" } else { "contact" },
+            if found.violation.is_some() { "violation" } else { "collision" },
             found.length
         ),
         name: found.name(),

@@ -7,12 +7,12 @@ use crate::report::{Comparison, Findings, Test};
 /// Maximum number of rows of drivers on a page; the file of the table has all.
 const MAX_DRIVERS: usize = 60;
 
-/// Comparisons of controllers and of drivers with the same starts; `None` without any pair.
+/// Comparisons of pedestrians and of drivers with the same starts; `None` without any pair.
 pub fn comparisons(found: &Findings<'_>) -> Option<Section> {
     let evidence = &found.gathered.evidence;
-    let (drivers, controllers): (Vec<&Comparison>, Vec<&Comparison>) =
+    let (drivers, pedestrians): (Vec<&Comparison>, Vec<&Comparison>) =
         evidence.comparisons.iter().partition(|found| found.is_of_drivers());
-    let kinds = [("Controllers", controllers), ("Drivers", drivers)].into_iter().filter(|(_, found)| !found.is_empty());
+    let kinds = [("Pedestrians", pedestrians), ("Drivers", drivers)].into_iter().filter(|(_, found)| !found.is_empty());
     let tables: Vec<Table> = kinds.map(|(title, found)| table(title, &found)).collect();
     if tables.is_empty() {
         return None;
@@ -24,9 +24,9 @@ pub fn comparisons(found: &Findings<'_>) -> Option<Section> {
         depth: Depth::Page,
         tables,
         notes: vec![
-            "Differences of rates: each trained controller less another one that met the same starts, and each driver less another one that met \
-             the same starts with the same controller. p is the probability of at least such a difference by chance, after Holm's \
-             correction for all tests of controllers, or of drivers, of this campaign: in 95 % of campaigns no p below 0.05 of a kind is a false finding. Call it \
+            "Differences of rates: each trained pedestrian less another one that met the same starts, and each driver less another one that met \
+             the same starts with the same pedestrian. p is the probability of at least such a difference by chance, after Holm's \
+             correction for all tests of pedestrians, or of drivers, of this campaign: in 95 % of campaigns no p below 0.05 of a kind is a false finding. Call it \
              a tie above 0.05."
                 .into(),
             "Intervals and p are Student's over trainings and common episodes. In 95 % of campaigns all intervals of a kind hold the truth together. Two \
@@ -43,7 +43,7 @@ fn table(title: &str, found: &[&Comparison]) -> Table {
     let trainings: BTreeSet<(&str, &str)> =
         found.iter().map(|found| (found.first.train_town.as_str(), found.first.train_policy.as_str())).collect();
     let several = trainings.iter().filter(|training| !training.0.is_empty()).count() > 1;
-    let mut head: Vec<Column> = ["controller", "place", "less"].map(Column::text).into();
+    let mut head: Vec<Column> = ["pedestrian", "place", "less"].map(Column::text).into();
     head.extend(["collisions", "preventable", "fault"].map(|rate| Column::number(format!("{rate} (95 %), p"))));
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
     for found in found {

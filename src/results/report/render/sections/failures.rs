@@ -1,4 +1,3 @@
-use crate::failure::Failure;
 use crate::report::ListedFailure;
 use crate::report::render::table::{Column, Table, Value};
 
@@ -14,7 +13,7 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
             failure.word().into(),
             Value::Number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1),
             failure.key.cell.policy.clone().into(),
-            Value::Text(controller(failure)),
+            failure.finder().into(),
             failure.key.cell.town.clone().into(),
             failure.kind().into(),
         ];
@@ -27,21 +26,11 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
         Column::text("verdict"),
         Column::number("m/s"),
         Column::text("driver"),
-        Column::text("controller"),
+        Column::text("found by"),
         Column::text("town"),
         Column::text("kind"),
     ];
     head.extend(is_merged.then(|| Column::number("merged")));
     head.extend(has_needs.then(|| Column::text("needs")));
     Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal(width)
-}
-
-/// The controller, with its reward if it was trained for one.
-fn controller(failure: &Failure) -> String {
-    let trained = failure.key.cell.is_trained() || (failure.is_of_search() && !failure.key.cell.reward.is_empty());
-    if trained {
-        format!("{} {}", failure.key.cell.controller, failure.key.cell.reward)
-    } else {
-        failure.key.cell.controller.clone()
-    }
 }

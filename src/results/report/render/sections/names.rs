@@ -6,7 +6,7 @@ use crate::report::render::table::{Column, Value};
 
 /// The columns that name a cell.
 pub fn head() -> Vec<Column> {
-    ["controller", "reward", "trained in, against", "town", "policy"].map(Column::text).into()
+    ["pedestrian", "reward", "trained in, against", "town", "driver"].map(Column::text).into()
 }
 
 pub fn names(cell: &Cell, cells: &[Cell]) -> Vec<Value> {

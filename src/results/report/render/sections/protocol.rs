@@ -6,22 +6,22 @@ use crate::report::{Colour, Findings, ProtocolCell};
 use world::env::TestCriterion;
 
 /// How to read the tables.
-const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0: no contact. Along the path it is the speed \
+const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0: no collision. Along the path it is the speed \
      of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h, `–` a case that was not run. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), a cell without \
-     points is not passed, and a row with a case that was not run has no score. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
+     points is not passed, and a row with a case that was not run has no score. Others pass without a collision, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
      Where different episodes of a case were run, the worst speed stands there, and below it how many of them were not passed and the one-sided 95 % upper bound of their \
      share: \"0 of 20: at most 14 %\". Episodes that are equal to the bit are one.";
 /// Shown below the tables in a terminal.
 const LEGEND: [&str; 2] = [
-    "cells: impact speed (km/h), 0: no contact; !: the driver did not hold the test speed within 1 km/h; –: not run",
-    "passed: cells with points, or below the limit; a driver can pass a cell in which it hits the target",
+    "cells: impact speed (km/h), 0: no collision; !: the driver did not hold the test speed within 1 km/h; –: not run",
+    "passed: cells with points, or below the limit; a driver can pass a cell with a collision",
 ];
 /// Why colours, passes and verdicts differ.
 const JUDGES: &str = "A number is the impact speed in km/h. *Passed* counts the cells that get points: green has all of them, brown still a quarter, red none. \
-     So a driver can pass a cell in which it hits the target. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
-     careful humans would have avoided the touch. So a red cell can be *contested*: some reference drivers avoid it and some do not.";
+     So a driver can pass a cell with a collision. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
+     careful humans would have avoided the collision. So a red cell can be *contested*: some reference drivers avoid it and some do not.";
 /// What a test does not say.
 const LIMITS: &str = "**This is not a rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
      the car's sensors unless the scenario gives them, warnings to a driver, tyres and brakes beyond the car's blueprint, repeated runs and \
@@ -98,14 +98,14 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
     Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
 }
 
-/// How many cells of a row were passed, of those that were run, and in how many of these the target was hit: `3 of 3, 1 with contact, 3 not run`.
+/// How many cells of a row were passed, of those that were run, and how many of these had a collision: `3 of 3, 1 with a collision, 3 not run`.
 fn passes(passed: usize, of: &[&&ProtocolCell]) -> Value {
     let tested = || of.iter().filter(|cell| cell.is_tested());
     let hit = tested().filter(|cell| cell.passes() == Some(true) && cell.impact_speed > Some(0.0)).count();
     let run = of.iter().filter(|cell| cell.is_run()).count();
     let other = run - tested().count();
     let mut text = format!("{passed} of {}", tested().count());
-    for (count, what) in [(hit, "with contact"), (other, "not at the test speed"), (of.len() - run, "not run")] {
+    for (count, what) in [(hit, "with a collision"), (other, "not at the test speed"), (of.len() - run, "not run")] {
         if count > 0 {
             text += &format!(", {count} {what}");
         }
@@ -233,7 +233,7 @@ fn headline<'a>(drivers: &[&'a str], of: &impl Fn(&str) -> Vec<&'a Layered<'a>>)
     };
     let touched = |cell: &ProtocolCell| cell.impact_speed.is_none_or(|speed| speed > 0.0);
     format!(
-        "**Without contact in all nominal tests: {}. Without contact within the layers: {}.**",
+        "**Without a collision in all nominal tests: {}. Without a collision within the layers: {}.**",
         without(&|each| each.nominal.is_some_and(touched)),
         without(&|each| touched(each.worst())),
     )

@@ -21,7 +21,7 @@ pub fn published(found: &Findings<'_>) -> Option<Section> {
 }
 
 fn table(rows: &[PublishedComparison<'_>]) -> Table {
-    let mut head: Vec<Column> = ["controller", "reward", "town", "policy", "figure"].map(Column::text).into();
+    let mut head: Vec<Column> = ["pedestrian", "reward", "town", "driver", "figure"].map(Column::text).into();
     head.extend(["published", "here", "difference, 95 %"].map(Column::number));
     let row = |row: &PublishedComparison<'_>| {
         vec![

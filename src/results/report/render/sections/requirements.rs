@@ -24,7 +24,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     if names.is_empty() {
         return None;
     }
-    let mut head = vec![Column::text("driver").key(), Column::text("town").key(), Column::text("controller").key()];
+    let mut head = vec![Column::text("driver").key(), Column::text("town").key(), Column::text("pedestrian").key()];
     for (name, no_verdict) in &names {
         head.push(Column::number(*name));
         if no_verdict.is_none() {

@@ -10,14 +10,14 @@ const READING: &str = "Rates are means over the runs: trainings of a trained ped
     All pedestrians of a town and a driver meet the same starts. *Left out* (if there are any): share of the episodes that are in no rate, since the driver did not reach its \
     start or left the road before it could see a pedestrian. `metrics.csv` has all rates, with their spread over runs.";
 
-/// How often cars are hit, and by which controllers; `None` without an evaluation.
+/// How often collisions and faults happen, with which pedestrians; `None` without an evaluation.
 pub fn results(found: &Findings<'_>) -> Option<Section> {
     let cells = &found.cells;
     let scale = Scale::new(&found.drivers, cells, &found.searches);
     (!cells.is_empty()).then(|| Section {
         id: "results",
         name: "Results",
-        title: "How often cars are hit",
+        title: "How often collisions and faults happen",
         lead: errors(cells),
         depth: Depth::Summary,
         tables: vec![table(cells, scale)],
@@ -90,7 +90,7 @@ fn pedestrians(found: &Findings<'_>) -> Vec<String> {
     worst.filter_map(line).collect()
 }
 
-/// The number of episodes in which a driver or a controller failed as a program, in Markdown; empty without any.
+/// The number of episodes in which a driver or a pedestrian failed as a program, in Markdown; empty without any.
 fn errors(cells: &[Cell]) -> Vec<String> {
     let failed: u32 = cells.iter().map(|cell| cell.errors).sum();
     if failed == 0 {
@@ -104,7 +104,7 @@ fn errors(cells: &[Cell]) -> Vec<String> {
     let lines: Vec<String> = distinct(cells).into_iter().filter(|cell| cell.errors > 0).map(line).collect();
     vec![
         format!(
-            "**In {failed} more episodes the driver or the controller failed as a program, or the episode was not run.** They count neither as passed nor as \
+            "**In {failed} more episodes the driver or the pedestrian failed as a program, or the episode was not run.** They count neither as passed nor as \
              failed, and no number includes them. The column `error` of `episodes.csv` has the cause of each:"
         ),
         lines.join("\n"),

@@ -19,7 +19,7 @@ const ALPHA: f64 = 0.05;
 
 /// Pairs of falsifiers and pairs of drivers, a table each; none of a kind without any pair.
 pub fn search_pairs(compared: &[SearchComparison]) -> Vec<Table> {
-    let kinds = [("Falsifiers in pairs", true), ("Drivers in pairs", false)];
+    let kinds = [("Searches in pairs", true), ("Drivers in pairs", false)];
     let of = |(title, of_falsifiers)| {
         let found: Vec<_> = compared.iter().filter(|found| found.is_of_falsifiers() == of_falsifiers).collect();
         (!found.is_empty()).then(|| table(title, &found))
@@ -28,7 +28,7 @@ pub fn search_pairs(compared: &[SearchComparison]) -> Vec<Table> {
 }
 
 fn table(title: &str, found: &[&SearchComparison]) -> Table {
-    let mut head: Vec<Column> = ["falsifier", "place", "less"].map(Column::text).into();
+    let mut head: Vec<Column> = ["search", "place", "less"].map(Column::text).into();
     head.extend(SHOWN.map(|(_, head)| Column::number(head)));
     let mut pairs: Vec<&SearchComparison> = Vec::new();
     for each in found {
@@ -76,13 +76,13 @@ pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
     let pairs: Vec<&SearchComparison> = compared.iter().filter(|found| found.is_of_falsifiers()).collect();
     let runs = pairs.iter().map(|found| found.runs).max()?;
     if runs < 2 {
-        return Some("One run of each falsifier cannot tell which one finds more: ask for `runs: 4` or more.".into());
+        return Some("One run of each search cannot tell which one finds more: ask for `runs: 4` or more.".into());
     }
     let [(starts, _), (faults, _), ..] = SHOWN;
     let figures = [(starts, "fails from more starts than"), (faults, "finds faults from more starts than")];
     let told: Vec<String> = figures.iter().flat_map(|(figure, does)| winners(&pairs, figure, does)).collect();
     Some(if told.is_empty() {
-        format!("In pairs, no falsifier finds more than another one beyond chance ({runs} runs): call it a tie.")
+        format!("In pairs, no search finds more than another one beyond chance ({runs} runs): call it a tie.")
     } else {
         format!(
             "In pairs, beyond chance (p < 0.05, {runs} runs): {}. All else may be chance; the table `comparisons` has each pair.",

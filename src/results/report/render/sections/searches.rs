@@ -5,16 +5,16 @@ use compile::SearchKey;
 
 /// How to read the tables.
 const READING: [&str; 4] = [
-    "Every falsifier has the same budget of simulator ticks and meets the same starts in the same order. A command that the \
+    "Every search has the same budget of simulator ticks and meets the same starts in the same order. A command that the \
      rest of the budget cannot hold is not started.",
     "*Ticks to first failure* is the median of Kaplan and Meier; runs without a failure count as censored. *Simulations to it* are finished episodes, over the runs \
      with a failure, as ARCH-COMP counts them. Intervals are Student's 95 % over runs. They are about further runs in *this* town; other towns may give \
      other figures, and no interval here covers that. Fewer than four runs have no interval; their single values stand there.",
     "*Failed starts* are those from which a failure was found, of the number of starts from which it searched; *starts with a fault* those from which a \
-     fault was. Compare these two between methods. *Faults found* may be many variations of one start. Where a search has a goal, failures are its violations, and \
+     fault was. Compare these two between searches. *Faults found* may be many variations of one start. Where a search has a goal, failures are its violations, and \
      faults those of them that count against the driver; a goal without a verdict has none.",
-    "*Pairs:* one falsifier less another one against the same driver, and one driver less another one with the same falsifier, run by run: \
-     equal runs have the same starts. p is Student's, after Holm's correction for all pairs of falsifiers, or of drivers, in all towns: in 95 % of \
+    "*Pairs:* one search less another one against the same driver, and one driver less another one with the same search, run by run: \
+     equal runs have the same starts. p is Student's, after Holm's correction for all pairs of searches, or of drivers, in all towns: in 95 % of \
      campaigns no p below 0.05 of a column is a false finding. Call it a tie above 0.05.",
 ];
 
@@ -25,8 +25,8 @@ pub fn searches(found: &Findings<'_>) -> Option<Section> {
     let is_known = !cells.iter().any(SearchCell::is_empty);
     (!cells.is_empty()).then(|| Section {
         id: "searches",
-        name: "Falsifiers",
-        title: "Falsifiers compared",
+        name: "Searches",
+        title: "Searches compared",
         depth: Depth::Page,
         lead: outdone_by_chance(cells).into_iter().collect(),
         tables: [falsifiers(cells)].into_iter().chain(search_pairs(compared)).collect(),
@@ -38,7 +38,7 @@ pub fn searches(found: &Findings<'_>) -> Option<Section> {
 
 /// A row for each falsifier, town and driver.
 fn falsifiers(cells: &[SearchCell]) -> Table {
-    let mut head: Vec<Column> = ["falsifier", "town", "policy"].map(Column::text).into();
+    let mut head: Vec<Column> = ["search", "town", "driver"].map(Column::text).into();
     // Estimates are left-aligned, so that their numbers are below each other.
     head.extend([
         Column::number("runs × ticks").detail(),
