@@ -1,4 +1,4 @@
-//! The meaning of every diagnostic code, with examples: the sections of `grammar/mistakes.md`.
+//! The meaning of every diagnostic code, with examples: the sections of `mistakes.md`.
 
 /// A section of the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub struct Mistake {
 
 /// All codes, in the order of the page.
 pub fn mistakes() -> Vec<Mistake> {
-    include_str!("grammar/mistakes.md").split("\n## ").skip(1).map(section).collect()
+    include_str!("mistakes.md").split("\n## ").skip(1).map(section).collect()
 }
 
 fn section(text: &'static str) -> Mistake {

@@ -67,7 +67,7 @@ fn every_code_is_explained_once() {
     let explained: Vec<&str> = mistakes().iter().map(|mistake| mistake.code).collect();
     let explained_set: BTreeSet<&str> = explained.iter().copied().collect();
     assert!(known.len() > 40);
-    assert_eq!(explained_set, known, "grammar/mistakes.md and src/lang/diagnostics do not agree");
+    assert_eq!(explained_set, known, "src/lang/mistakes.md and src/lang/diagnostics do not agree");
     assert_eq!(explained.len(), explained_set.len(), "a code is explained twice");
 }
 
