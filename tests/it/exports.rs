@@ -128,7 +128,7 @@ proptest! {
         shifts in prop::collection::vec((-10.0..10.0f64, -10.0..10.0f64), 9),
         chosen in prop::collection::vec(any::<bool>(), 12),
         lights in any::<bool>(),
-        limit in prop::option::of(5.0..40.0f64),
+        limit in prop::option::of(5.0..36.0f64),
         house in (-200.0..400.0f64, -200.0..-60.0f64, -3.0..3.0f64),
         lanes in prop::collection::vec((1..=3u32, any::<bool>()), 12),
         narrow in any::<bool>(),
