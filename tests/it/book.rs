@@ -10,10 +10,12 @@ use program::commands::Arguments;
 
 /// The documents of the repository with their texts, sorted by path.
 fn documents() -> Vec<(PathBuf, String)> {
-    let folders = ["docs", "reports", "grammar", "scenarios", "src"].map(|name| crate::repository().join(name));
+    let folders =
+        ["docs", "reports", "grammar", "python", "scenarios", "src"].map(|name| crate::repository().join(name));
     let mut open = folders.to_vec();
-    let mut paths =
-        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| crate::repository().join(name)).to_vec();
+    let mut paths = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md"]
+        .map(|name| crate::repository().join(name))
+        .to_vec();
     while let Some(folder) = open.pop() {
         for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
             if path.is_dir() && !path.is_symlink() {
@@ -29,6 +31,15 @@ fn documents() -> Vec<(PathBuf, String)> {
         (path, text)
     };
     paths.into_iter().map(with_text).collect()
+}
+
+/// What the program prints (`explain`) is below `src`, and no document.
+#[test]
+fn all_documents_have_at_most_60_000_words() {
+    let src = crate::repository().join("src");
+    let read = documents().into_iter().filter(|(path, _)| !path.starts_with(&src));
+    let words: usize = read.map(|(_, text)| text.split_whitespace().count()).sum();
+    assert!((30_000..=60_000).contains(&words), "{words} words: shorten a page before another grows");
 }
 
 /// The pages of the book with their texts.

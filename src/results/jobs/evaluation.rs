@@ -13,6 +13,7 @@ use world::judge::Judged;
 pub(super) const KIND: Kind = Kind {
     doing: ["trying", "tried"],
     unit: "episodes",
+    seconds: 3e-3,
     has_episodes: true,
     ..Kind::new::<Evaluation>("evaluation", "evaluations", "evaluate")
 };

@@ -47,6 +47,8 @@ pub struct Kind {
     pub doing: [&'static str; 2],
     /// What is counted of it.
     pub unit: &'static str,
+    /// How long a unit takes on a core (s), until the first ones are measured. What counts is how kinds differ.
+    pub seconds: f64,
     /// Whether its results are episodes. They stay in the store, and a stored part may have fewer than are wanted.
     pub has_episodes: bool,
     /// The job as one of this kind; `None` for one of another kind.
@@ -72,6 +74,7 @@ impl Kind {
             verb,
             doing: ["", ""],
             unit: "ticks",
+            seconds: 1e-5,
             has_episodes: false,
             work: of::<T>,
             references: Vec::new,

@@ -45,23 +45,27 @@ impl Board {
         self.jobs.iter().filter(|job| job.is_ended()).count()
     }
 
-    /// Estimated time until all is done, from the average time of a unit of each kind. None while a kind with remaining work has no
-    /// measurement.
+    /// Estimated time until all is done, from the average time of a unit of each kind. A kind without a measurement is as much slower or faster
+    /// than usual as the measured ones are. `None` before the first measurement.
     pub fn left(&self) -> Option<Duration> {
-        let mut seconds = 0.0;
+        let (mut seconds, mut unknown, mut usual, mut busy) = (0.0, 0.0, 0.0, 0.0);
         for kind in KINDS {
             let of_kind = || self.jobs.iter().filter(move |job| job.kind == kind);
-            let units: u64 = of_kind().filter(|job| !job.is_ended()).map(|job| job.total - job.done()).sum();
-            if units == 0 {
+            let left: u64 = of_kind().filter(|job| !job.is_ended()).map(|job| job.total - job.done()).sum();
+            let done: u64 = of_kind().map(|job| job.done().saturating_sub(job.before())).sum();
+            let time: f64 = of_kind().map(|job| job.time().as_secs_f64()).sum();
+            if done == 0 {
+                unknown += left as f64 * kind.seconds;
                 continue;
             }
-            let done: u64 = of_kind().map(|job| job.done().saturating_sub(job.before())).sum();
-            let busy: f64 = of_kind().map(|job| job.time().as_secs_f64()).sum();
-            if done == 0 {
-                return None;
-            }
-            seconds += busy / done as f64 * units as f64;
+            seconds += time / done as f64 * left as f64;
+            usual += done as f64 * kind.seconds;
+            busy += time;
         }
+        if usual == 0.0 {
+            return None;
+        }
+        seconds += unknown * busy / usual;
         // A job is worked on by one thread: the last ones may leave others idle.
         let last = self.jobs.iter().filter(|job| job.is_under_way()).filter_map(Job::left).max();
         Some(Duration::from_secs_f64(seconds / self.threads.max(1) as f64).max(last.unwrap_or_default()))

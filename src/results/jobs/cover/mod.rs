@@ -22,6 +22,7 @@ const MAX_ERRORS: u32 = 10;
 pub(super) const KIND: Kind = Kind {
     doing: ["covering", "covered"],
     unit: "episodes",
+    seconds: 3e-3,
     references: || vec![table::columns().reference(), table::point_columns().reference()],
     tables: |found| {
         let rows: Vec<Row<'_>> = found.finished.found_if_any()?;

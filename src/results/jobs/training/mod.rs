@@ -23,6 +23,7 @@ const REPORT_INTERVAL: u64 = 16;
 pub(super) const KIND: Kind = Kind {
     doing: ["training", "trained"],
     unit: "decisions",
+    seconds: 1e-4,
     references: || vec![table::columns().reference()],
     tables: |found| Some(vec![("learning_curve", table::learning_curve(found.finished.all()))]),
     section: Some((Group::Comparisons, section::trainings)),
