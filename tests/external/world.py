@@ -1,5 +1,7 @@
 """The world of scenarios/external/my_world.py with a fault: `world.py FAULT`. It comes in the third tick of an episode, or in the message that the fault is about."""
 
+import math
+import random
 import sys
 import time
 from pathlib import Path
@@ -8,10 +10,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scenarios" / "exte
 import my_world
 
 FAULT = sys.argv[1]
+#: Factors of the wheel angle and of the deceleration.
+STEER = {"mirrored": -1.0, "straight": 0.0, "weak_steer": 0.1, "strong_steer": 2.0}.get(FAULT, 1.0)
+BRAKE = {"no_brake": 0.0, "weak_brake": 0.1}.get(FAULT, 1.0)
 
 
 class World(my_world.MyWorld):
-    ABOUT = {**my_world.MyWorld.ABOUT, "drivers": ["theirs"], "controls": FAULT != "rails", "tolerance": 0.03 * (FAULT == "tolerant"), "seeds": FAULT != "unseeded"}
+    ABOUT = {**my_world.MyWorld.ABOUT, "drivers": ["theirs", "blind"] if FAULT != "stranger" else [], "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0}.get(FAULT, 0.0), "seeds": FAULT != "unseeded"}
 
     def load(self, message):
         super().load(message)
@@ -25,16 +30,22 @@ class World(my_world.MyWorld):
         if FAULT == "late_start":
             time.sleep(3600)
         super().begin(message)
-        self.native = message["driver"] is not None
+        self.native = message["driver"]
+        self.first_yaw = self.yaw
         if FAULT == "misplaced":
             self.y += 0.5
 
     def step(self, message):
-        if FAULT == "mirrored":
-            message["control"]["wheel_angle"] *= -1
+        control = message["control"]
+        control["wheel_angle"] *= STEER
+        control["acceleration"] *= BRAKE if control["acceleration"] < 0.0 else 1.0
         if self.native:
-            message["control"].update(acceleration=-5.0, wheel_angle=0.0)
+            message["control"].update(acceleration=-5.0 if self.native == "theirs" else 0.0, wheel_angle=0.0)
         super().step(message)
+        if FAULT == "drifts":
+            self.y += 0.02
+        if FAULT == "unseeded":
+            self.x += random.uniform(0.0, 1e-4)
 
     def state(self, tick):
         state = super().state(tick)
@@ -54,6 +65,10 @@ class World(my_world.MyWorld):
             state["pedestrians"][0][0] += 0.02
         if FAULT == "ends":
             state["end"] = True
+        if FAULT == "stuck_yaw":
+            state["ego"]["yaw"] = self.first_yaw
+        if FAULT == "ends_near":
+            state["end"] = math.dist((self.x, self.y), state["pedestrians"][0]) < 4.0
         if FAULT == "behind":
             state["tick"] -= 1
         if FAULT == "jumps":

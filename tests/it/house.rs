@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_445),
     ("src/learn", 5_524),
-    ("src/world", 37_046),
+    ("src/world", 37_049),
     ("src/ported", 4_642),
     ("src/lang", 6_608),
     ("src/compile", 8_061),
     ("src/process", 880),
     ("src/export", 3_824),
     ("src/results", 26_048),
-    ("src/program", 12_420),
-    ("tests", 28_456),
+    ("src/program", 12_664),
+    ("tests", 28_472),
 ];
 
 /// Crates that only some places may name.

@@ -33,8 +33,10 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
     let check = |command: &str| said(&["check", "--world", command], place.path());
     let (code, text) = check(&format!("python3 {}", top("scenarios/external/my_world.py")));
     assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("ok    leaves contacts to us") && text.contains("it has no drivers of its own"), "{text}");
+    let (code, text) = check(&format!("python3 {} unseeded", top("tests/external/world.py")));
     assert!(
-        text.contains("ok    turns the car as it is told") && text.contains("it has no drivers of its own"),
+        code == Some(0) && text.contains("it has no friction of the road, no traffic lights for its drivers, no seeds"),
         "{text}"
     );
     for (fault, message) in [
@@ -43,6 +45,18 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
         ("shifted", "it has lanes up to 300 mm from those of the town"),
         ("elsewhere", "it moved a pedestrian to 20 mm from where it was told"),
         ("ends", "it ended the episode before it was over"),
+        (
+            "straight",
+            "turns the car as it is told: with the wheel to the left it moves 38.4 m ahead and 0.0 m to the left",
+        ),
+        ("weak_steer", "on a circle of 26"),
+        ("strong_steer", "on a circle of 13 m; with the wheelbase of our car that is one of 27 m"),
+        ("no_brake", "after 80 ticks of full brake from 8.0 m/s it still drives 8.0 m/s"),
+        ("weak_brake", "after 80 ticks of full brake from 8.0 m/s it still drives"),
+        ("stuck_yaw", "beside its `yaw`, on average"),
+        ("drifts", "after 60 ticks with its wheels straight it is 1.2 m to the left, turned by 0°"),
+        ("ends_near", "contacts are judged from the poses that come back, so go on"),
+        ("lax", "a `tolerance` that is not between 0 and 0.5"),
     ] {
         let (code, text) = check(&format!("python3 {} {fault}", top("tests/external/world.py")));
         assert!(code == Some(5) && text.contains(message), "{fault}: {text}");
@@ -61,6 +75,8 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
     assert!(code == Some(5) && text.contains("it has lanes up to 300 mm from those of the town"), "{text}");
     let (code, text) = check("no_such_program --here");
     assert!(code == Some(5) && text.contains("no_such_program"), "{text}");
+    let (code, text) = check("metadriv");
+    assert!(code == Some(5) && text.contains("the bridges of the Python package are metadrive, sumo"), "{text}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 mod driver_trial;
 mod world_trial;
+mod manoeuvres;
 mod empty_road;
 mod sample;
 mod fix;

@@ -10,8 +10,8 @@ use crate::road::{ForkRule, LaneFilter, RandomWalk, RoadOption, RoutePoint, Town
 use crate::sim::{Control, VehicleState, World};
 use base::seed::Seed;
 
-/// How far a pedestrian may be from where the world was told to place it (m), and how far a world may say that it is.
-const MOVED: (f64, f64) = (0.01, 0.5);
+/// How far a pedestrian may be from where the world was told to place it, if the world does not say how far (m).
+const MOVED: f64 = 0.01;
 /// How far the car may be from its start (m, rad, m/s) when an episode begins.
 const PLACED: f64 = 0.01;
 /// How much farther than by its speeds the car may get in a tick (m): contact and steep turns move its middle. More is a jump.
@@ -177,11 +177,7 @@ impl Bridge {
         });
         let farthest = apart.fold(0.0, f64::max);
         let tolerance = self.world.abilities.as_ref().map_or(0.0, |abilities| abilities.tolerance);
-        if farthest > tolerance.clamp(MOVED.0, MOVED.1) {
-            Err(Fault::Moved { millimetres: millimetres(farthest) })
-        } else {
-            Ok(())
-        }
+        if farthest > tolerance.max(MOVED) { Err(Fault::Moved { millimetres: millimetres(farthest) }) } else { Ok(()) }
     }
 
     fn ask<T>(

@@ -17,6 +17,9 @@ pub(super) fn hello() -> Vec<u8> {
         .expect("words have a form in JSON")
 }
 
+/// How far from where it is told a world may say that it places a pedestrian (m).
+const MAX_TOLERANCE: f64 = 0.5;
+
 /// What a program says that its simulator is and can do: its greeting.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 pub struct Abilities {
@@ -76,6 +79,10 @@ pub(super) fn read_greeting(line: &[u8]) -> Result<Abilities, Fault> {
         }
         other => other,
     })?;
+    if !(0.0..=MAX_TOLERANCE).contains(&abilities.tolerance) {
+        let why = "a `tolerance` that is not between 0 and 0.5: in m, how far from where it is told a pedestrian may be, and half a metre decides whether a car touches it";
+        return Err(Fault::Greeting(why));
+    }
     let known = abilities.protocol == PROTOCOL;
     known.then_some(abilities).ok_or(Fault::Greeting("another protocol than falsify-world/1"))
 }
