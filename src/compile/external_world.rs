@@ -3,12 +3,14 @@
 use std::sync::Arc;
 
 use super::grid::{Axis, Ground};
-use super::lowering::{BuiltTown, Lowering};
+use super::lowering::Lowering;
+use base::diagnostic::{Diagnostic, Span};
 use base::signature::{DeclarationId, Form, Keys, Value};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::av::NativeKeys;
 use world::env::{BridgeKeys, EpisodeRule, ExternalWorld};
+use world::road::Town;
 
 /// The word of our own simulator.
 pub const HERE: &str = "here";
@@ -75,58 +77,122 @@ impl Lowering<'_> {
 
     /// Whether the drivers of a block drive in its worlds, which have what the episodes need; reports what does not.
     pub fn worlds_fit(&mut self, block: &Block, worlds: &[WorldAxis], ground: &Ground, rule: &EpisodeRule) -> bool {
-        let errors = self.said.len();
-        for world in worlds.iter().flatten() {
-            if ground.roles.has_cars() {
-                let message = format!("the cast has further cars, and `{}` moves the car under test alone", world.name);
-                self.said.push(diagnostics::contradiction(block.place("worlds"), message));
-            }
-            for town in &ground.towns {
-                if let Err(reason) = world.value.map(&town.value.town) {
-                    let message = format!("the map of `{}` cannot be given to `{}`: {reason}", town.name, world.name);
-                    self.said.push(diagnostics::contradiction(block.place("worlds"), message));
-                }
-            }
-            let Some(abilities) = &world.value.abilities else { continue };
-            if rule.friction.is_some() && !abilities.friction {
-                let message = format!("the episode sets the `friction` of the road, and `{}` has none", world.name);
-                self.said.push(diagnostics::contradiction(block.place("worlds"), message));
-            }
-        }
+        let mut found: Vec<(Span, Misfit)> = Vec::new();
         for (place, policy) in ground.policies.iter().enumerate() {
             let declaration = self.program.get(policy.id);
+            let native = (declaration.kind == NativeKeys::KIND).then(|| declaration.block.keys::<NativeKeys>().driver);
             let span = block.members("policies").get(place).copied().unwrap_or(block.head);
-            if declaration.kind != NativeKeys::KIND {
-                let asked = worlds.iter().flatten().filter_map(|world| Some((world, world.value.abilities.as_ref()?)));
-                for (world, _) in asked.filter(|(_, abilities)| !abilities.controls) {
-                    self.said.push(diagnostics::not_driven_by_ours(span, &policy.name, &world.name));
-                }
-                continue;
-            }
-            let NativeKeys { driver } = declaration.block.keys();
             for world in worlds {
-                let Some(world) = world else {
-                    self.said.push(diagnostics::native_here(span, &policy.name));
-                    continue;
+                let staging = Staging {
+                    world: world.as_ref().map(|world| (&*world.name, &*world.value)),
+                    driver: (&policy.name, native.as_deref()),
+                    towns: ground.towns.iter().map(|town| (&*town.name, &*town.value.town)).collect(),
+                    has_cars: ground.roles.has_cars(),
+                    rule,
                 };
-                let Some(abilities) = &world.value.abilities else { continue };
-                if !abilities.drivers.contains(&driver) {
-                    let known = abilities.drivers.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-                    let message = format!("`{}` has no driver `{driver}`", world.name);
-                    let known = if known.is_empty() { "it has none".into() } else { format!("it has {known}") };
-                    self.said.push(diagnostics::contradiction(span, message).help(known));
-                    continue;
-                }
-                let has_lights = |town: &&Axis<BuiltTown>| !town.value.town.traffic_lights.is_empty();
-                let lit: Vec<_> = ground.towns.iter().filter(has_lights).map(|town| town.name.to_string()).collect();
-                if rule.traffic_lights && !abilities.lights && !lit.is_empty() {
-                    self.said.push(diagnostics::blind_to_lights(span, &policy.name, &world.name, &lit.join("`, `")));
-                }
-                if !abilities.seeds {
-                    self.said.push(diagnostics::unseeded(span, &policy.name, &world.name));
+                let at = |misfit: Misfit| (if misfit.is_of_driver { span } else { block.place("worlds") }, misfit);
+                for each in staging.misfits().into_iter().map(at) {
+                    if !found.contains(&each) {
+                        found.push(each);
+                    }
                 }
             }
         }
-        self.said[errors..].iter().all(|each| each.severity == base::diagnostic::Severity::Warning)
+        let fits = found.iter().all(|(_, misfit)| !misfit.is_error);
+        self.said.extend(found.into_iter().map(|(span, Misfit { is_error, message, help, .. })| {
+            let said = match is_error {
+                true => diagnostics::contradiction(span, message),
+                false => Diagnostic::warning("never-applies", span, message),
+            };
+            if help.is_empty() { said } else { said.help(help) }
+        }));
+        fits
+    }
+}
+
+/// A driver whose episodes are to happen in a simulator.
+pub struct Staging<'a> {
+    /// The other simulator with its name; `None` for ours.
+    pub world: Option<(&'a str, &'a ExternalWorld)>,
+    /// The driver, and of a driver of the other simulator its name there.
+    pub driver: (&'a str, Option<&'a str>),
+    /// The towns with their names.
+    pub towns: Vec<(&'a str, &'a Town)>,
+    /// Whether the cast has further cars.
+    pub has_cars: bool,
+    pub rule: &'a EpisodeRule,
+}
+
+/// What keeps a driver from its episodes in a simulator, or what these lack there.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Misfit {
+    /// Whether the episodes cannot happen.
+    pub is_error: bool,
+    /// Whether another driver may fit.
+    is_of_driver: bool,
+    pub message: String,
+    /// What to do, or what follows.
+    pub help: String,
+}
+
+impl Staging<'_> {
+    /// All that does not fit. What a simulator can do is known if its program was asked.
+    pub fn misfits(&self) -> Vec<Misfit> {
+        let mut found = Vec::new();
+        let mut add = |is_error, is_of_driver, message: String, help: &str| {
+            found.push(Misfit { is_error, is_of_driver, message, help: help.into() });
+        };
+        let Self { driver: (policy, native), towns, rule, .. } = self;
+        let Some((world, simulator)) = self.world else {
+            if native.is_some() {
+                let message = format!("`{policy}` is a driver of another simulator, and these episodes happen in ours");
+                let help =
+                    "name that simulator: a `world` in `worlds` of the `evaluate` block, or `--world` of a recheck";
+                add(true, true, message, help);
+            }
+            return found;
+        };
+        if self.has_cars {
+            let message = format!("the cast has further cars, and `{world}` moves the car under test alone");
+            add(true, false, message, "");
+        }
+        for (name, town) in towns {
+            if let Err(reason) = simulator.map(town) {
+                add(true, false, format!("the map of `{name}` cannot be given to `{world}`: {reason}"), "");
+            }
+        }
+        let Some(abilities) = &simulator.abilities else { return found };
+        if rule.friction.is_some() && !abilities.friction {
+            let message = format!("the episode sets the `friction` of the road, and `{world}` has none");
+            add(true, false, message, "");
+        }
+        let known = abilities.drivers.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let known = if known.is_empty() { "it has none".into() } else { format!("it has {known}") };
+        match native {
+            None if abilities.controls => {}
+            None => {
+                let message = format!("`{policy}` cannot drive in `{world}`, whose cars only its own drivers drive");
+                add(true, true, message, &format!("name a driver of the kind `native`; {known}"));
+            }
+            Some(driver) if abilities.drivers.iter().all(|own| own != driver) => {
+                add(true, true, format!("`{world}` has no driver `{driver}`"), &known);
+            }
+            Some(_) => {
+                let lit = towns.iter().filter(|(_, town)| !town.traffic_lights.is_empty());
+                let lit: Vec<&str> = lit.map(|(name, _)| *name).collect();
+                if rule.traffic_lights && !abilities.lights && !lit.is_empty() {
+                    let lit = lit.join("`, `");
+                    let message =
+                        format!("`{policy}` does not see the traffic lights of `{lit}`: `{world}` does not show them");
+                    let help = "`traffic_lights: false` in the `episode` switches them off for all drivers";
+                    add(false, true, message, help);
+                }
+                if !abilities.seeds {
+                    let message = format!("the seed of an episode does not reach `{policy}`: `{world}` takes none");
+                    add(false, true, message, "an episode may not be the same when it is repeated");
+                }
+            }
+        }
+        found
     }
 }

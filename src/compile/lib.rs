@@ -47,7 +47,7 @@ mod lower;
 mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
-pub use external_world::HERE;
+pub use external_world::{HERE, Misfit, Staging};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use jobs::*;

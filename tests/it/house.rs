@@ -10,13 +10,13 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/learn", 5_524),
     ("src/world", 37_049),
     ("src/ported", 4_642),
-    ("src/lang", 6_608),
-    ("src/compile", 8_061),
+    ("src/lang", 6_583),
+    ("src/compile", 8_125),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_048),
-    ("src/program", 12_664),
-    ("tests", 28_472),
+    ("src/results", 26_081),
+    ("src/program", 12_749),
+    ("tests", 28_545),
 ];
 
 /// Crates that only some places may name.

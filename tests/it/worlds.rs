@@ -33,7 +33,7 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
     let check = |command: &str| said(&["check", "--world", command], place.path());
     let (code, text) = check(&format!("python3 {}", top("scenarios/external/my_world.py")));
     assert_eq!(code, Some(0), "{text}");
-    assert!(text.contains("ok    leaves contacts to us") && text.contains("it has no drivers of its own"), "{text}");
+    assert!(text.contains("ok    leaves collisions to us") && text.contains("it has no drivers of its own"), "{text}");
     let (code, text) = check(&format!("python3 {} unseeded", top("tests/external/world.py")));
     assert!(
         code == Some(0) && text.contains("it has no friction of the road, no traffic lights for its drivers, no seeds"),
@@ -55,7 +55,7 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
         ("weak_brake", "after 80 ticks of full brake from 8.0 m/s it still drives"),
         ("stuck_yaw", "beside its `yaw`, on average"),
         ("drifts", "after 60 ticks with its wheels straight it is 1.2 m to the left, turned by 0°"),
-        ("ends_near", "contacts are judged from the poses that come back, so go on"),
+        ("ends_near", "collisions are judged from the poses that come back, so go on"),
         ("lax", "a `tolerance` that is not between 0 and 0.5"),
     ] {
         let (code, text) = check(&format!("python3 {} {fault}", top("tests/external/world.py")));
@@ -96,6 +96,16 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let column = table.lines().next().unwrap().split(',').position(|name| name == "world").unwrap();
     let worlds = |name: &str| table.lines().filter(|row| row.split(',').nth(column) == Some(name)).count();
     assert_eq!((worlds("here"), worlds("mine")), (30, 30), "{table}");
+    for table in ["results", "failures"] {
+        let table = std::fs::read_to_string(report.join(format!("{table}.csv"))).unwrap();
+        let column = table.lines().next().unwrap().split(',').position(|name| name == "world").unwrap();
+        let has = |name: &str| table.lines().any(|row| row.split(',').nth(column) == Some(name));
+        assert!(has("here") && has("mine"), "{table}");
+    }
+    let (_, listed) = said(&["failures", "out/two_worlds"], place.path());
+    assert!(listed.lines().next().unwrap().contains("world") && listed.contains(" mine"), "{listed}");
+    let (_, listed) = said(&["failures", "out/two_worlds", "--format", "json"], place.path());
+    assert!(listed.contains(r#""world":"here""#) && listed.contains(r#""world":"mine""#), "{listed}");
     let manifest = std::fs::read_to_string(report.join("manifest.toml")).unwrap();
     assert!(manifest.contains("my_world.py"), "the program is recorded");
 
@@ -112,6 +122,7 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
         assert_eq!(row["still_faults"], row["old_faults"], "our kinematics: {row}");
         assert_eq!(row["still_collisions"], row["failures"], "{row}");
         assert_eq!(row["still_fault_share"].is_null(), row["old_faults"] == 0, "{row}");
+        assert_eq!(row["world"], "my_world");
         assert_eq!(row["walked_by"], "controller", "a recorded walk says little there");
     }
     let sampled = falsify(&[&arguments[..], &["--sample", "1"]].concat(), place.path());
@@ -124,6 +135,58 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let (code, text) = said(&["recheck", "--allow-external", "out/two_worlds", "--world", &crash], place.path());
     let reason = "failed as a program; first in ";
     assert!(code == Some(5) && text.contains(reason) && text.contains("with exit code 3"), "{text}");
+    let rails = format!("python3 {} rails", top("tests/external/world.py"));
+    let (code, text) = said(&["recheck", "--allow-external", "out/two_worlds", "--world", &rails], place.path());
+    let reason =
+        "`idm` cannot drive in `my_world`, whose cars only its own drivers drive; name a driver of the kind `native`";
+    assert!(code == Some(2) && text.contains(reason), "{text}");
     let (code, text) = said(&[&arguments[..], &["--only", "1a2b3c4d:0"]].concat(), place.path());
     assert!(code == Some(2) && text.contains("has no collision and no near miss 1a2b3c4d:0"), "{text}");
+}
+
+#[test]
+fn a_recheck_stays_in_a_world_and_says_what_another_one_lacks() {
+    if !has_python() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let world = |fault: &str| format!("python3 {} {fault}", top("tests/external/world.py"));
+    let scenario = format!(
+        "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+         world there = bridge(command: \"{}\")\npolicy theirs = native(driver: \"blind\")\nepisode wet {{ friction: 0.4 }}\n\
+         spawn driving {{ bearing: -45 deg .. 45 deg distance: 15 m .. 40 m }}\n\
+         campaign native {{ vehicle: model3 adversary: suicidal spawn: driving episode: thirty_seconds\n\
+         evaluate {{ towns: [harbour] policies: [theirs] pedestrians: [intercept] episodes: 8 worlds: [there] }} }}\n\
+         campaign slippery {{ vehicle: model3 adversary: suicidal spawn: driving episode: wet\n\
+         evaluate {{ towns: [harbour] policies: [blind] pedestrians: [intercept] episodes: 8 }} }}\n\
+         campaign traffic {{ vehicle: model3 adversary: suicidal spawn: driving episode: thirty_seconds\n\
+         cast {{ child: pedestrian() follower: vehicle(policy: blind, behind: ego, gap: 1 s .. 2 s) }}\n\
+         evaluate {{ towns: [harbour] policies: [blind] pedestrians: [intercept] episodes: 8 }} }}\n",
+        world("none")
+    );
+    std::fs::write(place.path().join("three.scn"), scenario).unwrap();
+    let (code, text) = said(&["run", "--allow-external", "--out", "out", "three.scn"], place.path());
+    assert_eq!(code, Some(0), "{text}");
+
+    let arguments = ["recheck", "--allow-external", "out/native", "--format", "json"];
+    let output = falsify(&arguments, place.path());
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = found["failures"].as_array().unwrap();
+    assert!(!rows.is_empty() && rows.iter().all(|row| row["world"] == "there"), "{found}");
+    assert!(rows.iter().all(|row| row["still_collisions"] == row["failures"]), "{found}");
+    assert!(found["notes"].to_string().contains("the fixed list is left out in another simulator"), "{found}");
+
+    let elsewhere = |report: &str, fault: &str| {
+        said(&["recheck", "--allow-external", report, "--world", &world(fault)], place.path())
+    };
+    for (report, fault, message) in [
+        ("out/native", "stranger", "`my_world` has no driver `blind`; it has none"),
+        ("out/slippery", "none", "the episode sets the `friction` of the road, and `my_world` has none"),
+        ("out/traffic", "none", "the cast has further cars, and `my_world` moves the car under test alone"),
+    ] {
+        let (code, text) = elsewhere(report, fault);
+        assert!(code == Some(2) && text.contains(message), "{report} {fault}: {text}");
+    }
+    let (code, text) = elsewhere("out/native", "unseeded");
+    assert!(code == Some(0) && text.contains("the seed of an episode does not reach `theirs`"), "{text}");
 }

@@ -186,31 +186,6 @@ pub fn uncopied_removal(span: Span) -> Diagnostic {
     .help("`shared: team` and `shared: own` need no copy")
 }
 
-/// A driver of another simulator is to drive in ours.
-pub fn native_here(span: Span, name: &str) -> Diagnostic {
-    contradiction(span, format!("`{name}` is a driver of another simulator, and these episodes happen in ours"))
-        .help("evaluate it where it drives: an `evaluate` block with `worlds: [NAME]`, the name of a `world`")
-}
-
-/// A driver of ours is to drive in a simulator whose cars only their own drivers drive.
-pub fn not_driven_by_ours(span: Span, name: &str, world: &str) -> Diagnostic {
-    contradiction(span, format!("`{name}` cannot drive in `{world}`, whose cars only its own drivers drive"))
-        .help("name a driver of the kind `native`")
-}
-
-/// A driver of another simulator does not see traffic lights.
-pub fn blind_to_lights(span: Span, name: &str, world: &str, towns: &str) -> Diagnostic {
-    let message = format!("`{name}` does not see the traffic lights of `{towns}`: `{world}` does not show them");
-    Diagnostic::warning("never-applies", span, message)
-        .help("`traffic_lights: false` in the `episode` switches them off for all drivers")
-}
-
-/// A driver of another simulator draws from elsewhere than the seed of an episode.
-pub fn unseeded(span: Span, name: &str, world: &str) -> Diagnostic {
-    let message = format!("the seed of an episode does not reach `{name}`: `{world}` takes none");
-    Diagnostic::warning("never-applies", span, message).help("an episode may not be the same when it is repeated")
-}
-
 /// A test of a protocol has more cases than episodes, or some cases are run once more than others.
 pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
     Diagnostic::warning("partial-test", span, "this is not a multiple of the cases of the test")

@@ -90,12 +90,6 @@ pub struct RecheckArgs {
     pub repeat: RepeatArgs,
 }
 
-impl RecheckArgs {
-    fn starts(&self) -> u32 {
-        self.starts.unwrap_or(if self.world.is_some() { 0 } else { STARTS })
-    }
-}
-
 /// `falsify recheck`
 pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_table().reference(), report::crossed_table().reference()];

@@ -26,6 +26,11 @@ pub struct CellKey {
     pub train_policy: String,
 }
 
+/// A town, and the simulator if it is another one.
+pub fn in_world(town: &str, world: &str) -> String {
+    if world == HERE { town.into() } else { format!("{town} ({world})") }
+}
+
 impl CellKey {
     /// The key of an evaluation's cell.
     pub fn of(evaluation: &Evaluation) -> Self {
@@ -44,9 +49,19 @@ impl CellKey {
         }
     }
 
-    /// Whether the car drives in another simulator; not in a search, which names none.
+    /// The simulator in which the car drives; `here` in a search, which names none.
+    pub fn simulator(&self) -> &str {
+        if self.world.is_empty() { HERE } else { &self.world }
+    }
+
+    /// Whether that is another one.
     pub fn is_elsewhere(&self) -> bool {
-        !self.world.is_empty() && self.world != HERE
+        self.simulator() != HERE
+    }
+
+    /// `harbour`, or `harbour (metadrive)` in another simulator.
+    pub fn place(&self) -> String {
+        in_world(&self.town, self.simulator())
     }
 
     /// Whether the controller comes from a training.

@@ -64,9 +64,9 @@ pub fn cautions(cells: &[Cell], results: &[SearchResult], searches: &[SearchCell
 /// The towns in which nearly all collisions are beyond careful humans, whoever drives. A baseline that sees no pedestrian collides also where others
 /// would not, so beside one there is seldom such a town.
 fn no_chance(cells: &[Cell]) -> Vec<Caution> {
-    let mut sums: BTreeMap<&str, (u32, u32)> = BTreeMap::new();
+    let mut sums: BTreeMap<String, (u32, u32)> = BTreeMap::new();
     for cell in cells {
-        let (all, hopeless) = sums.entry(&cell.key.town).or_default();
+        let (all, hopeless) = sums.entry(cell.key.place()).or_default();
         *all += cell.collisions;
         *hopeless += [Label::MachinePreventable, Label::Unpreventable]
             .map(|label| cell.labels[label as usize])
@@ -75,11 +75,8 @@ fn no_chance(cells: &[Cell]) -> Vec<Caution> {
     }
     let nearly_all =
         |(all, hopeless): &(u32, u32)| *all >= MIN_COLLISIONS && f64::from(*hopeless) > MAX_HOPELESS * f64::from(*all);
-    let caution = |(town, (collisions, hopeless)): (&str, (u32, u32))| Caution::NoChance {
-        town: town.into(),
-        collisions,
-        hopeless,
-    };
+    let caution =
+        |(town, (collisions, hopeless)): (String, (u32, u32))| Caution::NoChance { town, collisions, hopeless };
     sums.into_iter().filter(|(_, sums)| nearly_all(sums)).map(caution).collect()
 }
 

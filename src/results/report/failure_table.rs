@@ -10,7 +10,7 @@ use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{
     CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
     LATEST_REACTION, NUMBER, ON_CROSSWALK, POLICY, REWARD, RUN_ID, STATE_HASHES, TOWN, TRAIN_POLICY, TRAIN_TOWN,
-    VERDICT,
+    VERDICT, WORLD,
 };
 use crate::record::{Column, Entry, RunKey, Signed, Table};
 use compile::{NoRunId, RunId};
@@ -52,6 +52,7 @@ pub fn failure_table() -> Table<'static, Failure> {
         .column(NUMBER.of(|row: &Failure| row.number))
         .column(TOWN.of(|row: &Failure| row.key.cell.town.clone()))
         .column(POLICY.of(|row: &Failure| row.key.cell.policy.clone()))
+        .column(WORLD.of(|row: &Failure| row.key.cell.simulator().to_owned()))
         .columns(what_happened(|row| row))
         .column(START.of(|row: &Failure| row.start))
         .column(FOUND_AFTER.of(|row: &Failure| row.is_of_search().then_some(row.found_after)))
@@ -216,6 +217,7 @@ pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
         .column(TRAIN_TOWN.of(|row: &Listed| row.failure.key.cell.train_town.clone()))
         .column(TRAIN_POLICY.of(|row: &Listed| row.failure.key.cell.train_policy.clone()))
         .column(TOWN.of(|row: &Listed| row.failure.key.cell.town.clone()))
+        .column(WORLD.of(|row: &Listed| row.failure.key.cell.simulator().to_owned()))
         .columns(what_happened(|row: &Listed| &row.failure))
         .column(
             Column::<u64>::new(

@@ -11,7 +11,8 @@ const MAX_FRACTION: f64 = 0.05;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OffRoadDriver {
     pub policy: String,
-    pub town: String,
+    /// The town, with the simulator if that is another one.
+    pub place: String,
     /// Its episodes in evaluations there.
     pub episodes: u64,
     /// The number of these whose start it did not reach within the time of a run-up.
@@ -36,7 +37,7 @@ impl OffRoadDriver {
 
 impl fmt::Display for OffRoadDriver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { policy, town, episodes, placed, left_road, road_end, left_out, searched } = self;
+        let Self { policy, place, episodes, placed, left_road, road_end, left_out, searched } = self;
         let mut what = Vec::new();
         if *placed > 0 {
             what.push(format!("did not reach its start in {placed} of {episodes} run-ups"));
@@ -58,7 +59,7 @@ impl fmt::Display for OffRoadDriver {
         } else {
             "see whether it follows its route"
         };
-        write!(f, "`{policy}` in {town} {}: {advice}", what.join(" and "))?;
+        write!(f, "`{policy}` in {place} {}: {advice}", what.join(" and "))?;
         let is_mostly_lost = 2 * left_road.max(placed) > *episodes;
         match (left_out, episodes - left_out) {
             (0, _) if is_mostly_lost => write!(f, "; its figures there say little"),
@@ -77,11 +78,11 @@ impl fmt::Display for OffRoadDriver {
 
 /// The drivers that are lost in more than a twentieth of their episodes in a town: of evaluations or of searches.
 pub fn off_road(cells: &[Cell], searches: &[SearchResult]) -> Vec<OffRoadDriver> {
-    let mut sums: BTreeMap<(&str, &str), OffRoadDriver> = BTreeMap::new();
-    let mut at = |policy, town, add: &dyn Fn(&mut OffRoadDriver)| {
+    let mut sums: BTreeMap<(String, String), OffRoadDriver> = BTreeMap::new();
+    let mut at = |policy: &String, place: String, add: &dyn Fn(&mut OffRoadDriver)| {
         let none = OffRoadDriver {
-            policy: String::from(policy),
-            town: String::from(town),
+            policy: policy.clone(),
+            place: place.clone(),
             episodes: 0,
             placed: 0,
             left_road: 0,
@@ -89,10 +90,10 @@ pub fn off_road(cells: &[Cell], searches: &[SearchResult]) -> Vec<OffRoadDriver>
             left_out: 0,
             searched: (0, 0),
         };
-        add(sums.entry((policy, town)).or_insert(none));
+        add(sums.entry((policy.clone(), place)).or_insert(none));
     };
     for cell in cells {
-        at(&cell.key.policy, &cell.key.town, &|driver| {
+        at(&cell.key.policy, cell.key.place(), &|driver| {
             driver.episodes += u64::from(cell.all);
             driver.placed += u64::from(cell.placed);
             driver.left_road += u64::from(cell.left_road);
@@ -101,7 +102,7 @@ pub fn off_road(cells: &[Cell], searches: &[SearchResult]) -> Vec<OffRoadDriver>
         });
     }
     for SearchResult { key, spent, .. } in searches {
-        at(&key.policy, &key.town, &|driver| {
+        at(&key.policy, key.town.clone(), &|driver| {
             driver.searched.0 += spent.left_out;
             driver.searched.1 += spent.left_out + spent.episodes;
         });
@@ -134,6 +135,10 @@ mod tests {
             cell("lost", "random", 100, 0),
             cell("lost", "homing", 90, 6),
             cell("good", "random", 5, 5),
+            Cell {
+                key: CellKey { world: "there".into(), ..cell("good", "random", 0, 0).key },
+                ..cell("good", "random", 0, 7)
+            },
             cell("stray", "random", 0, 6),
             Cell { road_end: 9, left_out: 9, episodes: 91, ..cell("far", "random", 0, 10) },
         ];
@@ -144,6 +149,8 @@ mod tests {
                 "`far` in a left the road in 1 of 100 episodes and drove past the end of the road in 9 of 100 episodes: make the road longer, or start \
                  farther from its end; its rates there are those of the 91 episodes that count, and to leave the road is not a failure in them: \
                  `left_road_rate > 0.05` is a gate",
+                "`good` in a (there) left the road in 7 of 100 episodes: see whether it follows its route; to leave the road is not a failure in \
+                 them: `left_road_rate > 0.05` is a gate",
                 "`lost` in a did not reach its start in 190 of 200 run-ups and left the road in 6 of 200 episodes: see whether it follows its \
                  route; its rates there are those of the 10 episodes that count, and to leave the road is not a failure in them: `left_road_rate > 0.05` is a \
                  gate",

@@ -176,7 +176,7 @@ pub fn manoeuvres(there: &Scenario) -> Vec<(&'static str, Result<String, String>
         }),
         ("brakes as it is told", &|| brakes(&ours(&behind, BRAKE), &drive(&behind, BRAKE).whole()?)),
         ("turns the car as it is told", &|| turns(&behind, &drive(&behind, LEFT).whole()?)),
-        ("leaves contacts to us", &|| meets(&behind, &ahead, &beside)),
+        ("leaves collisions to us", &|| meets(&behind, &ahead, &beside)),
     ];
     for (what, trial) in trials {
         let found = trial();
@@ -270,7 +270,7 @@ fn meets(behind: &Scenario, ahead: &Scenario, beside: &Scenario) -> Result<Strin
         .map(|outcome| (outcome.fault(), outcome.least_gap))
     {
         Some((Some(Fault::EndedEarly), gap)) => Err(format!(
-            "it ended the episode {gap:.2} m from somebody {whom}; contacts are judged from the poses that come back, so go on"
+            "it ended the episode {gap:.2} m from somebody {whom}; collisions are judged from the poses that come back, so go on"
         )),
         Some((Some(fault), _)) => Err(told(fault)),
         _ => Ok(()),

@@ -2,7 +2,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use crate::session::{Error, named};
-use compile::{Campaign, Evaluation, Search};
+use compile::{Campaign, Evaluation, HERE, Search};
 use results::report::RecheckNote;
 use world::env::{ExternalWorld, Scenario, VehicleRole};
 
@@ -35,6 +35,8 @@ pub(super) struct Place<'a> {
     pub town: &'a str,
     /// The vehicle; `None` in a search.
     vehicle: Option<&'a str>,
+    /// The simulator.
+    pub world: &'a str,
     pub scenario: &'a Arc<Scenario>,
 }
 
@@ -43,12 +45,14 @@ pub(super) fn places(campaign: &Campaign) -> impl Iterator<Item = Place<'_>> {
         policy: &evaluation.policy,
         town: &evaluation.town,
         vehicle: Some(&evaluation.vehicle),
+        world: &evaluation.world,
         scenario: &evaluation.scenario,
     });
     let searches = campaign.all::<Search>().map(|search| Place {
         policy: &search.key.policy,
         town: &search.key.town,
         vehicle: None,
+        world: HERE,
         scenario: &search.scenario,
     });
     evaluations.chain(searches)

@@ -1,15 +1,15 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::RecheckArgs;
 use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, places, with_driver};
 use super::encounters::{MetAgain, cross};
+use super::{RecheckArgs, STARTS};
 use crate::cli::external_world::external_world;
 use crate::commands::compare::MAX_EXPLAINED;
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source, WhichPrograms};
 use base::seed::Seed;
-use compile::{Campaign, RunId};
+use compile::{Campaign, HERE, Misfit, RunId, Staging};
 use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
@@ -61,8 +61,9 @@ impl Session {
         );
         notes.extend(sides.world.iter().map(|world| RecheckNote::elsewhere(world)));
         let failures = sides.meet_failures(&pairs, options, self, &mut notes)?;
-        let crossings = sides.cross_all(&pairs, options.starts(), self, &mut notes);
-        let causes = if options.fail_if.is_empty() { Vec::new() } else { sides.causes(&pairs, &crossings) };
+        let setups = sides.crossed_setups(&pairs, options, &mut notes)?;
+        let crossings = sides.cross_all(&setups, options.starts.unwrap_or(STARTS), self, &mut notes);
+        let causes = if options.fail_if.is_empty() { Vec::new() } else { sides.causes(&setups, &crossings) };
         let report = options.report.clone();
         let files = options.files.clone();
         let mut recheck = Recheck { report, files, notes, failures, crossings, causes };
@@ -179,13 +180,14 @@ impl<'a> Tally<'a> {
 #[derive(Clone)]
 struct Setup<'a> {
     town: &'a str,
+    world: &'a str,
     /// Its number in the town, from 0.
     number: u64,
     scenario: Arc<Scenario>,
 }
 
 /// The rows that encounters with a pair of drivers belong to.
-type Sets = BTreeMap<(String, FoundBy, WalkedBy), Encounters>;
+type Sets = BTreeMap<(String, String, FoundBy, WalkedBy), Encounters>;
 
 impl Sides {
     /// Whether an old driver can be run as it was.
@@ -238,6 +240,22 @@ impl Sides {
             }
             found.push((pair, runs));
         }
+        let mut known = BTreeSet::new();
+        for (pair, runs) in &found {
+            for (run, failures) in runs {
+                let cell = &failures[0].key.cell;
+                let after = self.met_in(*run, pair)?;
+                if known.insert((
+                    &pair.after,
+                    &cell.town,
+                    cell.simulator(),
+                    has_cars(&after),
+                    after.episode.friction.is_some(),
+                )) {
+                    self.check(pair, &cell.town, cell.simulator(), &after, notes)?;
+                }
+            }
+        }
         let all = found.iter().flat_map(|(_, runs)| runs.values()).map(Vec::len).sum::<usize>();
         let mut tally = Tally::new(session, RecheckStage::Failures, all as u64);
         for (pair, runs) in found {
@@ -253,17 +271,17 @@ impl Sides {
                         failed = Some(format!("{} against `{}`: {error}", failure.name(), pair.after));
                     }
                     for (walked_by, encounter) in met.encounters {
-                        sets.entry((failure.key.cell.town.clone(), failure.found_by, walked_by))
-                            .or_default()
-                            .0
-                            .push(encounter);
+                        let cell = &failure.key.cell;
+                        let place = (cell.town.clone(), self.new_world(cell.simulator()).to_owned());
+                        sets.entry((place.0, place.1, failure.found_by, walked_by)).or_default().0.push(encounter);
                     }
                 }
             }
             let policies = [pair.before.clone(), pair.after.clone()];
-            rows.extend(sets.into_iter().map(|((town, found_in, walked_by), encounters)| RecheckedFailures {
+            rows.extend(sets.into_iter().map(|((town, world, found_in, walked_by), encounters)| RecheckedFailures {
                 policies: policies.clone(),
                 town,
+                world,
                 found_in,
                 walked_by,
                 encounters,
@@ -278,6 +296,51 @@ impl Sides {
         notes.extend(counted.into_iter().filter(|(count, _)| *count > 0).map(|(_, note)| note));
         notes.extend(failed.map(|first| RecheckNote::Failed { first }));
         Ok(rows)
+    }
+
+    /// The name of the simulator in which a new driver drives, of failures that were found in one.
+    fn new_world<'a>(&'a self, found_in: &'a str) -> &'a str {
+        self.world.as_ref().and_then(|world| world.abilities.as_ref()).map_or(found_in, |abilities| &abilities.name)
+    }
+
+    /// The scenario in which failures of a run or a search are met again.
+    fn met_in(&self, run: RunId, pair: &DriverPair) -> Result<Arc<Scenario>, Error> {
+        let (name, gone) = (EpisodeName { run, number: 0 }, || self.old.run_gone(run));
+        let (scenario, town, vehicle) = match self.old.evaluation(name) {
+            Some(found) => (&found.scenario, &*found.town, Some(&*found.vehicle)),
+            None => self.old.search(name).map(|found| (&found.scenario, &*found.key.town, None)).ok_or_else(gone)?,
+        };
+        Ok(with_driver(scenario, self.new_driver(&pair.after, town, vehicle).ok_or_else(gone)?))
+    }
+
+    /// Checks that the new driver can drive in a scenario; what that lacks is a note.
+    fn check(
+        &self,
+        pair: &DriverPair,
+        town: &str,
+        found_in: &str,
+        after: &Scenario,
+        notes: &mut Vec<RecheckNote>,
+    ) -> Result<(), Error> {
+        let driver = (after.cast.ego().policy)();
+        let staging = Staging {
+            world: after.external_world.as_deref().map(|world| (self.new_world(found_in), world)),
+            driver: (&pair.after, driver.world_driver()),
+            towns: vec![(town, &*after.town)],
+            has_cars: has_cars(after),
+            rule: &after.episode,
+        };
+        for Misfit { is_error, message, help, .. } in staging.misfits() {
+            let said = if help.is_empty() { message } else { format!("{message}; {help}") };
+            if is_error {
+                return Err(Error::Usage(format!("{said}. `--driver OLD=NEW` chooses drivers, `--only` failures")));
+            }
+            let note = RecheckNote::Lacks { said };
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+        Ok(())
     }
 
     /// Meets failures of a run or a search again.
@@ -311,29 +374,46 @@ impl Sides {
         Ok(tally.meet(failures, walked_by, meet))
     }
 
+    /// The setups in which the fixed list is met; in another simulator only if it is asked for, since each episode there takes long.
+    fn crossed_setups<'a>(
+        &'a self,
+        pairs: &'a [DriverPair],
+        options: &RecheckArgs,
+        notes: &mut Vec<RecheckNote>,
+    ) -> Result<Vec<(&'a DriverPair, Setup<'a>)>, Error> {
+        let of_pair = |pair: &'a DriverPair| self.setups(&pair.before).into_iter().map(move |setup| (pair, setup));
+        let mut setups: Vec<_> = pairs.iter().flat_map(of_pair).collect();
+        if options.starts.is_none() {
+            let all = setups.len();
+            setups.retain(|(_, setup)| self.world.is_none() && setup.world == HERE);
+            notes.extend((self.world.is_none() && setups.len() < all).then_some(RecheckNote::NoFixedList));
+        }
+        for (pair, setup) in setups.iter().filter(|_| options.starts != Some(0)) {
+            let new = self.new_driver(&pair.after, setup.town, None).expect("the new driver is in a campaign");
+            self.check(pair, setup.town, setup.world, &with_driver(&setup.scenario, new), notes)?;
+        }
+        Ok(setups)
+    }
+
     fn cross_all(
         &self,
-        pairs: &[DriverPair],
+        setups: &[(&DriverPair, Setup<'_>)],
         starts: u32,
         session: &Session,
         notes: &mut Vec<RecheckNote>,
     ) -> Vec<CrossedStarts> {
-        if starts == 0 {
+        if starts == 0 || setups.is_empty() {
             return Vec::new();
         }
         let goals = crossings(LEVELS);
         let mut rows = Vec::new();
         let mut other_start = 0;
         let of_setup = u64::from(starts) * goals.len() as u64;
-        let setups: Vec<(&DriverPair, Setup<'_>)> = pairs
-            .iter()
-            .flat_map(|pair| self.setups(&pair.before).into_iter().map(move |setup| (pair, setup)))
-            .collect();
         let drivers = |pair: &DriverPair| 1 + u64::from(self.is_there(&pair.before));
         let all = setups.iter().map(|(pair, _)| drivers(pair) * of_setup).sum();
         let tally = Tally::new(session, RecheckStage::Crossings, all);
         for (pair, setup) in setups {
-            let row = self.cross(pair, &setup, &goals, starts, &tally);
+            let row = self.cross(pair, setup, &goals, starts, &tally);
             other_start += of_setup - row.encounters.0.len() as u64;
             rows.push(row);
         }
@@ -351,13 +431,14 @@ impl Sides {
         starts: u32,
         tally: &Tally<'_>,
     ) -> CrossedStarts {
-        let Setup { town, number, scenario } = setup;
+        let Setup { town, world, number, scenario } = setup;
         let new = self.new_driver(&pair.after, town, None).expect("the new driver is in a campaign");
         let before = self.is_there(&pair.before).then_some(scenario);
         let seed = self.fixed_seed(town);
         CrossedStarts {
             policies: [pair.before.clone(), pair.after.clone()],
             town: (*town).to_owned(),
+            world: self.new_world(world).to_owned(),
             setup: *number,
             crossings: goals.len() as u64,
             encounters: cross(goals, before, &with_driver(scenario, new), starts, seed, &|| tally.add()),
@@ -366,19 +447,18 @@ impl Sides {
     }
 
     /// Why the new drivers have their worst new faults on the fixed list.
-    fn causes(&self, pairs: &[DriverPair], crossed: &[CrossedStarts]) -> Vec<String> {
-        let setups =
-            pairs.iter().flat_map(|pair| self.setups(&pair.before).into_iter().map(move |setup| (pair, setup)));
+    fn causes(&self, setups: &[(&DriverPair, Setup<'_>)], crossed: &[CrossedStarts]) -> Vec<String> {
         let new =
             |encounter: &&Encounter| encounter.after.fault && encounter.before.is_some_and(|before| !before.fault);
         let mut found: Vec<_> = setups
+            .iter()
             .zip(crossed)
-            .flat_map(|(of, row)| row.encounters.valid().filter(new).map(move |encounter| (of.clone(), row, encounter)))
+            .flat_map(|(of, row)| row.encounters.valid().filter(new).map(move |encounter| (of, row, encounter)))
             .collect();
         let speed = |encounter: &Encounter| encounter.after.impact_speed.unwrap_or(0.0);
         found.sort_by(|(.., one), (.., other)| speed(other).total_cmp(&speed(one)));
         let cause = |((pair, Setup { town, scenario, .. }), row, encounter): &(
-            (&DriverPair, Setup<'_>),
+            &(&DriverPair, Setup<'_>),
             &CrossedStarts,
             &Encounter,
         )| {
@@ -403,13 +483,13 @@ impl Sides {
     /// The different setups in which the report has a driver, numbered in each town.
     fn setups(&self, driver: &str) -> Vec<Setup<'_>> {
         let mut setups: Vec<Setup<'_>> = Vec::new();
-        for Place { town, scenario, .. } in places(&self.old.campaign).filter(|place| place.policy == driver) {
-            let of_town = || setups.iter().filter(|other| other.town == town);
+        for Place { town, world, scenario, .. } in places(&self.old.campaign).filter(|place| place.policy == driver) {
+            let of_town = || setups.iter().filter(|other| (other.town, other.world) == (town, world));
             if !of_town().any(|other| is_alike(&other.scenario, scenario)) {
                 let number = of_town().count() as u64;
                 // Rewards are not of interest here.
                 let scenario = Arc::new(Scenario { oracle: None, ..Scenario::clone(scenario) });
-                setups.push(Setup { town, number, scenario });
+                setups.push(Setup { town, world, number, scenario });
             }
         }
         setups
@@ -420,7 +500,7 @@ impl Sides {
 fn sample(all: Vec<Failure>, most: usize) -> Vec<Failure> {
     let mut groups: BTreeMap<(String, String, bool), Vec<Failure>> = BTreeMap::new();
     for failure in all {
-        let key = (failure.key.cell.policy.clone(), failure.key.cell.town.clone(), failure.fault);
+        let key = (failure.key.cell.policy.clone(), failure.key.cell.place(), failure.fault);
         groups.entry(key).or_default().push(failure);
     }
     let spread = |group: Vec<Failure>| {
@@ -428,6 +508,11 @@ fn sample(all: Vec<Failure>, most: usize) -> Vec<Failure> {
         (0..chosen).map(move |place| group[place * count / chosen].clone())
     };
     groups.into_values().flat_map(spread).collect()
+}
+
+/// Whether a cast has further cars.
+fn has_cars(scenario: &Scenario) -> bool {
+    scenario.cast.vehicles.len() > 1
 }
 
 /// Whether encounters in two scenarios of a town are the same.

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::cli::console;
 use crate::session::{CampaignReport, OverviewFiles};
 use results::failure::Failure;
-use results::record::{CellKey, EPISODES};
+use results::record::EPISODES;
 use results::report;
 
 /// Prints what was found about each driver for people, and all tables if `details` are wanted; narrow enough for a terminal of 80 columns where names
@@ -57,10 +57,8 @@ pub fn show_overview(overview: &OverviewFiles) {
 /// A failure in a line, and the commands that show it.
 fn look_at(worst: &Failure, folder: &Path, options: &str) -> String {
     let cell = &worst.key.cell;
-    let CellKey { policy, town, .. } = cell;
-    let there = if cell.is_elsewhere() { format!(" ({})", cell.world) } else { String::new() };
     let (what, name) = (worst.in_words(), worst.name());
-    let worst = format!("worst: {policy} in {town}{there}, {what}, by {}", worst.finder());
+    let worst = format!("worst: {} in {}, {what}, by {}", cell.policy, cell.place(), worst.finder());
     if !folder.join(format!("{EPISODES}.parquet")).is_file() {
         return format!("{worst}\n  the tables are CSV only; --formats csv,parquet writes what `falsify replay` reads");
     }

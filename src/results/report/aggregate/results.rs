@@ -2,7 +2,7 @@ use polars::prelude::DataFrame;
 
 use super::{Cell, Failures, Rate};
 use crate::failure::Failure;
-use crate::record::columns::{CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN};
+use crate::record::columns::{CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN, WORLD};
 use crate::record::{Column, Entry, Interval, Table};
 use crate::report::infer::{CellEvidence, LEARNT};
 
@@ -12,7 +12,7 @@ pub const RESULTS: &str = "results";
 /// A cell, whether its trainings learnt, and the worst of its failures.
 type Row<'a> = (&'a Cell, Option<&'static str>, Option<&'a Failure>);
 
-/// The table to open first: one row for each pedestrian, town and driver.
+/// The table to open first: one row for each cell.
 pub fn results(cells: &[Cell], evidence: &[CellEvidence], failures: &Failures) -> DataFrame {
     let learnt = |found: &CellEvidence| found.learning.as_ref().map(|learning| learning.learnt().name());
     let rows: Vec<Row<'_>> =
@@ -25,7 +25,7 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     let count = Column::<u32>::new;
     let mut table = Table::new(
         RESULTS,
-        "One row for each pedestrian, town and driver. Open this table first; `metrics` has all that is known.",
+        "One row for each pedestrian, town, driver and world. Open this table first; `metrics` has all that is known.",
     )
     .column(CONTROLLER.of(|row: &Row<'_>| row.0.key.controller.clone()))
     .column(REWARD.of(|row: &Row<'_>| row.0.key.reward.clone()))
@@ -33,6 +33,7 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     .column(TRAIN_POLICY.of(|row: &Row<'_>| row.0.key.train_policy.clone()))
     .column(TOWN.of(|row: &Row<'_>| row.0.key.town.clone()))
     .column(POLICY.of(|row: &Row<'_>| row.0.key.policy.clone()))
+    .column(WORLD.of(|row: &Row<'_>| row.0.key.world.clone()))
     .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs))
     .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes))
     .column(LEARNT.of(|row: &Row<'_>| row.1));

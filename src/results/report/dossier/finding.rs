@@ -25,7 +25,7 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
         vec![
             Value::Code(finding.failure.name()),
             Value::from(&key.cell.policy),
-            Value::from(&key.cell.town),
+            key.cell.place().into(),
             Value::from(finding.failure.finder()),
             Value::from(finding.failure.violation.as_ref().map_or("collision", |violated| &violated.requirement)),
             Value::Number(impact.is_some().then_some(*impact_speed), 1),

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::{Encounter, Encounters};
+use crate::record::in_world;
 use crate::report::FailureChange;
 use crate::report::compare::drivers;
 use base::statistics::mcnemar;
@@ -11,6 +12,8 @@ pub struct CrossedStarts {
     /// The old driver and the new one.
     pub policies: [String; 2],
     pub town: String,
+    /// The simulator in which the new driver drives.
+    pub world: String,
     /// Number of the setup (spawn, episode and pedestrian) in the town, from 0.
     pub setup: u64,
     /// Crossings from each start.
@@ -38,7 +41,7 @@ impl CrossedStarts {
     /// The drivers and the town.
     pub fn title(&self) -> String {
         let setup = if self.setup == 0 { String::new() } else { format!(", setup {}", self.setup) };
-        format!("{} in {}{setup}", drivers(&self.policies), self.town)
+        format!("{} in {}{setup}", drivers(&self.policies), in_world(&self.town, &self.world))
     }
 
     /// The crossings that are a fault of a driver, as they end for both. Empty if the old driver was not run.
@@ -150,6 +153,7 @@ mod tests {
         CrossedStarts {
             policies: ["old".into(), "new".into()],
             town: "harbour".into(),
+            world: "here".into(),
             setup: 0,
             crossings: 4,
             encounters: Encounters(starts.iter().enumerate().flat_map(of).collect()),

@@ -1,5 +1,6 @@
 use super::Encounters;
 use crate::failure::FoundBy;
+use crate::record::in_world;
 use crate::report::FailureChange;
 use crate::report::compare::drivers;
 use base::choice;
@@ -22,6 +23,8 @@ pub struct RecheckedFailures {
     /// The old driver and the new one.
     pub policies: [String; 2],
     pub town: String,
+    /// The simulator in which the new driver drives.
+    pub world: String,
     /// What found the failures.
     pub found_in: FoundBy,
     /// What moves the pedestrian now.
@@ -34,7 +37,11 @@ impl RecheckedFailures {
     /// The drivers, the town and the source of the failures.
     pub fn title(&self) -> String {
         let (found_in, walked_by) = (self.found_in.name(), self.walked_by.name());
-        format!("{} in {}, failures of the {found_in}, by {walked_by}", drivers(&self.policies), self.town)
+        format!(
+            "{} in {}, failures of the {found_in}, by {walked_by}",
+            drivers(&self.policies),
+            in_world(&self.town, &self.world)
+        )
     }
 
     /// The share of the old driver's faults that are faults of the new driver, and its interval (95 %); of the other encounters if `was_fault` is false.

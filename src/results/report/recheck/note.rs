@@ -33,6 +33,12 @@ pub enum RecheckNote {
         "the new drivers drive in `{name}` ({version}); starts, pedestrians, collisions and verdicts are those of the report"
     )]
     Elsewhere { name: String, version: String },
+    /// What a new driver lacks in its simulator.
+    #[error("{said}")]
+    Lacks { said: String },
+    /// Drivers of another simulator do not meet the fixed list.
+    #[error("the fixed list is left out in another simulator; `--starts N` has it there, from N starts")]
+    NoFixedList,
     /// Encounters are left out, since a program failed.
     #[error(
         "a driver, a pedestrian or the world failed as a program; first in {first}. Ten failures in a row end the episodes with a driver"

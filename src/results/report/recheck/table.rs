@@ -1,5 +1,5 @@
 use super::{CrossedStarts, Met, RecheckedFailures, StartFaults};
-use crate::record::columns::{POLICY, TOWN};
+use crate::record::columns::{POLICY, TOWN, WORLD};
 use crate::record::{Column, Role, Table};
 
 fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::Entry<'t, R> {
@@ -18,10 +18,11 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
     let share = |name, doc, role| Column::<f64>::new(name, "", doc).with_role(role);
     let of_share =
         |was_fault, part: fn((f64, (f64, f64))) -> f64| move |row: &Row| row.fault_share(was_fault).map(part);
-    Table::new("recheck_failures", "One row for each driver, town, source of failures and way to move the pedestrian.")
+    Table::new("recheck_failures", "One row for each driver, town, world, source of failures and walk.")
         .column(POLICY.of(|row: &Row| row.policies[0].clone()))
         .column(other_policy(|row: &Row| row.policies[1].clone()))
         .column(TOWN.of(|row: &Row| row.town.clone()))
+        .column(WORLD.of(|row: &Row| row.world.clone()))
         .text("found_in", "`evaluation` or `search`", |row| row.found_in.name())
         .text("walked_by", "what moves the pedestrian: `controller`, or the recorded `commands`", |row| {
             row.walked_by.name()
@@ -91,6 +92,7 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
     .column(POLICY.of(|row: &Row| row.policies[0].clone()))
     .column(other_policy(|row: &Row| row.policies[1].clone()))
     .column(TOWN.of(|row: &Row| row.town.clone()))
+    .column(WORLD.of(|row: &Row| row.world.clone()))
     .count("setup", "number of the spawn, episode and pedestrian in the town, from 0", |row| row.setup)
     .count("starts", "starts", |row| row.starts().len() as u64)
     .count("crossings", "episodes from each start", |row| row.crossings)

@@ -3,6 +3,7 @@
 use super::change_report::{ChangeReport, ChangeSection};
 use super::comparison_sections::p;
 use super::table::{Column, Table, Value};
+use crate::record::in_world;
 use crate::report::compare::drivers;
 use crate::report::{CrossedStarts, Met, Recheck, RecheckedFailures, StartFaults};
 
@@ -44,7 +45,7 @@ fn failures(rows: &[RecheckedFailures]) -> Table {
         let count = |is: fn(&Met, &Met) -> bool| Value::Count(row.encounters.count(is).unwrap_or_default());
         vec![
             drivers(&row.policies).into(),
-            row.town.clone().into(),
+            in_world(&row.town, &row.world).into(),
             row.found_in.name().to_owned().into(),
             row.walked_by.name().to_owned().into(),
             count(|_, _| true),

@@ -77,7 +77,7 @@ pub fn card(found: &Failure) -> PlayerCard {
         place: format!(
             "{} · {} · {} {:.1} s after the start",
             found.finder(),
-            found.key.cell.town,
+            found.key.cell.place(),
             if found.violation.is_some() { "violation" } else { "collision" },
             found.length
         ),
@@ -116,7 +116,7 @@ fn list(listed: &[&Failure], cards: &[String], players: &Players) -> Markup {
                                 @if found.violation.is_some() { "–" } @else { (format!("{:.1}", found.impact_speed)) }
                             }
                             td.number data-label=(heads[3]) { (format!("{:.1}", found.length)) }
-                            td data-label=(heads[4]) { (found.key.cell.town) }
+                            td data-label=(heads[4]) { (found.key.cell.place()) }
                             td data-label=(heads[5]) { (found.finder()) }
                             td data-label="name" {
                                 @if let Some(link) = players.link(&name) { a.play href=(link) { "play" } " " }

@@ -6,6 +6,7 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
     let one = failures.iter().all(|each| each.report == failures[0].report);
     let is_merged = failures.iter().any(|each| each.merged.is_some());
     let has_needs = failures.iter().any(|each| each.failure.needs.is_some());
+    let has_worlds = failures.iter().any(|each| each.failure.key.cell.is_elsewhere());
     let row = |ListedFailure { report, failure, merged, .. }: &ListedFailure| {
         let name = failure.name();
         let mut row = vec![
@@ -17,6 +18,7 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
             failure.key.cell.town.clone().into(),
             failure.kind().into(),
         ];
+        row.extend(has_worlds.then(|| failure.key.cell.simulator().to_owned().into()));
         row.extend(merged.filter(|_| is_merged).map(Value::Count));
         row.extend(has_needs.then(|| Value::Text(failure.needs.clone().unwrap_or_default())));
         row
@@ -30,6 +32,7 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
         Column::text("town"),
         Column::text("kind"),
     ];
+    head.extend(has_worlds.then(|| Column::text("world")));
     head.extend(is_merged.then(|| Column::number("merged")));
     head.extend(has_needs.then(|| Column::text("needs")));
     Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal(width)
