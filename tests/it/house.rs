@@ -15,7 +15,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/process", 880),
     ("src/export", 3_824),
     ("src/results", 26_081),
-    ("src/program", 12_749),
+    ("src/program", 12_752),
     ("tests", 28_545),
 ];
 

@@ -54,6 +54,9 @@ const UNTOUCHED: f64 = 0.2;
 /// A car that is slower stands (m/s).
 const STANDING: f64 = 0.2;
 
+/// What a manoeuvre showed, or what was wrong with it.
+type Found = Result<String, String>;
+
 /// Does the same in every tick.
 struct Constant(Control);
 
@@ -166,11 +169,11 @@ pub fn heads_on(drives: impl Iterator<Item = [VehicleState; 2]>) -> Result<(), S
     ))
 }
 
-/// Lets a car drive straight, brake, turn, and meet somebody; what each is, and what it did or what was wrong. The first that fails is the last.
-pub fn manoeuvres(there: &Scenario) -> Vec<(&'static str, Result<String, String>)> {
+/// Lets a car drive straight, brake, turn, and meet somebody. The first that fails is the last.
+pub fn manoeuvres(there: &Scenario) -> Vec<(&'static str, Found)> {
     let [behind, ahead, beside] = scenarios(there);
     let mut tried = Vec::new();
-    let trials: [(&str, &dyn Fn() -> Result<String, String>); 4] = [
+    let trials: [(&str, &dyn Fn() -> Found); 4] = [
         ("drives straight on, faster with its throttle", &|| {
             goes_straight(&ours(&behind, STRAIGHT), &drive(&behind, STRAIGHT).whole()?)
         }),
@@ -194,7 +197,7 @@ fn ours(scenario: &Scenario, manoeuvre: (Control, u32)) -> Drive {
     drive(&Scenario { external_world: None, ..scenario.clone() }, manoeuvre)
 }
 
-fn goes_straight(ours: &Drive, theirs: &Drive) -> Result<String, String> {
+fn goes_straight(ours: &Drive, theirs: &Drive) -> Found {
     let (end, turned) = (theirs.end(), wrap_angle(theirs.last().pose.yaw - theirs.first().pose.yaw));
     let ticks = STRAIGHT.1;
     if end.y.abs() > ASTRAY.0 || turned.abs() > ASTRAY.1 {
@@ -220,7 +223,7 @@ fn goes_straight(ours: &Drive, theirs: &Drive) -> Result<String, String> {
     }
 }
 
-fn brakes(ours: &Drive, theirs: &Drive) -> Result<String, String> {
+fn brakes(ours: &Drive, theirs: &Drive) -> Found {
     let speed = theirs.first().speed;
     let (stop, wanted) = (theirs.way(), ours.way());
     if theirs.last().speed > STANDING {
@@ -235,7 +238,7 @@ fn brakes(ours: &Drive, theirs: &Drive) -> Result<String, String> {
 }
 
 /// Compares the way of a car with the circle on which its wheels put it, at its own speeds.
-fn turns(scenario: &Scenario, theirs: &Drive) -> Result<String, String> {
+fn turns(scenario: &Scenario, theirs: &Drive) -> Found {
     let car = &scenario.cast.ego().blueprint;
     let pairs: Vec<_> = theirs.states.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     let as_told = |[before, _]: &[VehicleState; 2]| before.step(LEFT.0, car, scenario.episode.tick);
@@ -263,7 +266,7 @@ fn turns(scenario: &Scenario, theirs: &Drive) -> Result<String, String> {
 }
 
 /// Lets a car pass somebody who stands beside its way, and run into somebody in its way.
-fn meets(behind: &Scenario, ahead: &Scenario, beside: &Scenario) -> Result<String, String> {
+fn meets(behind: &Scenario, ahead: &Scenario, beside: &Scenario) -> Found {
     let ends = |drive: &Drive, whom: &str| match drive
         .outcome
         .as_ref()
