@@ -7,6 +7,7 @@ use base::signature::{Arguments, Keys, Signature, Type, Value};
 use base::units::Dimension;
 use lang::hir::Declaration;
 use world::av::Weakness;
+use world::av::external::ProgramKeys;
 use world::av::sensors::{SensorKeys, SensorModel};
 use world::env::{DriverParts, PolicyMaker, Setting};
 
@@ -62,6 +63,10 @@ type MakeOf = Arc<dyn Fn(&Arguments) -> PolicyMaker + Send + Sync>;
 fn quantities(signature: &Signature, own: &Arguments, prefix: &str, maker: &MakeOf) -> Vec<Setting> {
     let setting = |param: &base::signature::Param| {
         let Type::Quantity { dimension, mut min, mut max } = param.ty else { return None };
+        // The time that a program has for an answer is none of its driving.
+        if ProgramKeys::signature().params.iter().any(|of_program| of_program.name == param.name) {
+            return None;
+        }
         let Value::Number(value) = own.value(param.name) else { return None };
         for [low, high] in &signature.rising {
             if let (true, Value::Number(high)) = (*low == param.name, own.value(high)) {

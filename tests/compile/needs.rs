@@ -8,8 +8,9 @@ use rand::RngExt;
 use crate::cast::{ahead, away, two_and_two};
 use crate::samples::samples;
 use base::seed::{Seed, Stream};
-use world::cause::{Incident, Reruns, needs};
+use world::cause::{Incident, Limit, Reruns, needs, shrink};
 use world::env::{Controller, Criterion, PedestrianRole, Placement, Scenario};
+use world::falsifier::follow;
 use world::geometry::Pose;
 use world::sim::{ActorId, ActorStart, WalkCommand};
 
@@ -86,6 +87,34 @@ fn share_named(name: &str, count: usize, build: impl Fn(&mut Stream) -> Built) -
     }
     loud!("{name}: {named} of {failures}");
     named as f64 / failures as f64
+}
+
+/// Failures of a cast that shrink to the planted actors: nobody else is left, and no single one of these can be taken away.
+#[test]
+fn a_failure_of_a_cast_shrinks_to_the_actors_that_it_needs() {
+    let (mut shrunken, mut fewest) = (0, 0);
+    for number in 0..samples(8, 60) as u64 {
+        let (scenario, planted) = one_culprit(&mut Seed::root(6).index(number).stream());
+        let commands = vec![STANDING; scenario.cast.pedestrians.len()];
+        let scenario = Arc::new(scenario);
+        let incident = Incident { scenario, seed: Seed::root(1), start: 0, commands, criterion: Criterion::Collision };
+        let Some(shrunk) = shrink(&incident, 600) else { continue };
+        let there = |incident: &Incident| {
+            let cast = &incident.scenario.cast;
+            cast.actors().filter(|actor| !cast.is_absent(*actor)).collect::<Vec<_>>()
+        };
+        let (before, now) = (there(&incident), there(&shrunk.incident));
+        assert_eq!(shrunk.without.len(), before.len() - now.len(), "{}", shrunk.without());
+        let Incident { scenario, seed, start, commands, .. } = &shrunk.incident;
+        let (outcome, _) = follow(scenario, *seed, *start, commands).expect("its commands end the episode");
+        assert_eq!(outcome, shrunk.rerun.outcome, "bit for bit");
+        shrunken += 1;
+        fewest += usize::from(now == [ActorId::EGO, planted[0]]);
+        let cut = shrink(&incident, 3).unwrap();
+        assert!(cut.limit == Limit::Budget && cut.runs == 3, "{} runs", cut.runs);
+    }
+    loud!("{fewest} of {shrunken}");
+    assert!(shrunken >= 4 && fewest == shrunken, "{fewest} of {shrunken}");
 }
 
 /// At least 95 % of 200.

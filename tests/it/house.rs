@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_445),
     ("src/learn", 5_524),
-    ("src/world", 37_049),
+    ("src/world", 37_257),
     ("src/ported", 4_642),
     ("src/lang", 6_583),
-    ("src/compile", 8_125),
+    ("src/compile", 8_130),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_081),
-    ("src/program", 12_752),
-    ("tests", 28_545),
+    ("src/results", 26_084),
+    ("src/program", 12_834),
+    ("tests", 28_621),
 ];
 
 /// Crates that only some places may name.

@@ -1,12 +1,14 @@
 //! The input of a command, and the session that reads it.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use clap::Args;
 
+use super::progress::{Counting, Showing};
 use super::{console, failure, interrupt, network_trial};
-use crate::session::{Event, Input, Observer, Session};
+use crate::session::{Event, Input, Observer, Session, Stage};
 use compile::Catalog;
 use process::ProcessOpener;
 use world::env::MapWriter;
@@ -58,26 +60,59 @@ pub fn catalog() -> Catalog {
     without_programs().with_opener(Arc::new(ProcessOpener::default()))
 }
 
-/// A session that reports on the error stream and stops at Ctrl-C.
+/// A session that reports on the error stream, with progress on a terminal alone, and stops at Ctrl-C.
 pub fn session(allow_external: bool) -> Session {
     let catalog = without_programs();
     let session = Session::new(match allow_external {
         true => catalog.with_opener(Arc::new(ProcessOpener::default().asking())),
         false => catalog,
     });
-    let session = session.with_observer(Arc::new(Reporter)).with_stop(interrupt::stop());
+    let showing = if std::io::stderr().is_terminal() { Showing::Bars } else { Showing::None };
+    let session = session.with_observer(Arc::new(Reporter::new(showing))).with_stop(interrupt::stop());
     session.with_folder(std::env::current_dir().unwrap_or_default())
 }
 
-/// Reports diagnostics and notices on the error stream.
+/// Reports diagnostics, notices and progress on the error stream.
 #[derive(Debug)]
-pub struct Reporter;
+pub struct Reporter {
+    showing: Showing,
+    /// The stage that is under way, with its progress.
+    stage: Mutex<Option<(Stage, Counting)>>,
+}
+
+impl Reporter {
+    /// With this form of the progress.
+    pub fn new(showing: Showing) -> Self {
+        Self { showing, stage: Mutex::new(None) }
+    }
+
+    /// Removes the progress.
+    pub fn end(&self) {
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    fn played(&self, stage: Stage, done: u64, all: u64) {
+        let doing = match stage {
+            Stage::Failures => "failures met again",
+            Stage::Crossings => "episodes of the fixed list",
+            Stage::Causes => "why: episodes, at most",
+        };
+        let mut shown = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.as_ref().is_none_or(|(known, _)| *known != stage) {
+            *shown = None;
+            *shown = Some((stage, Counting::new(doing, all, self.showing)));
+        }
+        shown.iter_mut().for_each(|(_, counting)| counting.reach(done));
+    }
+}
 
 impl Observer for Reporter {
     fn event(&self, event: &Event<'_>) {
         match event {
             Event::Diagnostics(diagnostics, sources) => console::show(diagnostics, sources),
             Event::Notice(notice) => failure::notice(notice),
+            Event::Played { stage: Stage::Causes, done, all } if done == all => self.end(),
+            Event::Played { stage, done, all } => self.played(*stage, *done, *all),
             _ => {}
         }
     }

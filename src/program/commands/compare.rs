@@ -15,6 +15,7 @@ use results::report::{
     self, Caveat, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, SideEnd,
     StoredReport,
 };
+use world::cause::{Questions, RunLimit};
 
 /// Maximum number of failures in each list for people.
 pub const MAX_SHOWN: usize = 10;
@@ -116,8 +117,14 @@ pub fn tell_causes(comparison: &ReportComparison, options: &RepeatArgs) {
     let folder = &comparison.folders[1];
     let report = StoredReport::open(folder).map_err(Error::from);
     let source = report.and_then(|report| session(options.allow_external).reopen(report, &options.repeat));
-    let cause =
-        |name: &String| source.as_ref().ok()?.repeat(EpisodeName::of_table(name.clone()).ok()?).ok()?.cause(false);
+    let cause = |name: &String| {
+        source
+            .as_ref()
+            .ok()?
+            .repeat(EpisodeName::of_table(name.clone()).ok()?)
+            .ok()?
+            .cause(Questions::OfCopied, RunLimit::default())
+    };
     for FailureChange { sides: [_, SideEnd { name, .. }], .. } in new {
         if let Some(cause) = cause(name) {
             console::note(&format!("{}: {}", folder.join(name).display(), cause.sentence()));

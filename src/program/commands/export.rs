@@ -13,6 +13,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodePath, Error, Repeated, Session, Source};
 use export::{EXPORTERS, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
 use results::report;
+use world::cause::{Questions, RunLimit};
 use world::env::{Scenario, Trace};
 use world::judge::Verdict;
 
@@ -225,7 +226,7 @@ fn repeated(
 /// Writes the files of an episode; returns them, the one to open first.
 fn write(repeated: &Repeated, exporter: &dyn Exporter, variant: Variant, out: &Path) -> Result<Vec<PathBuf>, Error> {
     let name = repeated.name.to_string();
-    let cause = repeated.cause(false).map(|cause| cause.sentence());
+    let cause = repeated.cause(Questions::OfCopied, RunLimit::default()).map(|cause| cause.sentence());
     let episode = Episode {
         cause: cause.as_deref(),
         name: &name,

@@ -11,7 +11,7 @@ use crate::cli::console;
 use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{EpisodeName, Error, Notice, RepeatOptions, Session};
+use crate::session::{Causes, EpisodeName, Error, Notice, Session};
 use results::failure::{Failure, FailureOrder};
 use results::report::{self, ListedFailure, StoredReport};
 use world::av::Weakness;
@@ -83,6 +83,9 @@ pub struct FailuresArgs {
     /// Say why each listed failure happened: what the driver lacks, and which setting turns it.
     #[arg(long, conflicts_with = "names")]
     pub why: bool,
+    /// Maximum number of episodes for each failure, for --why and for --distinct.
+    #[arg(long, default_value_t = MAX_RUNS, value_name = "N")]
+    pub max_runs: u32,
     /// Options for repeating failures, which --distinct and --why need.
     #[command(flatten)]
     pub repeat: RepeatArgs,
@@ -121,6 +124,7 @@ impl Default for FailuresArgs {
             top: None,
             distinct: false,
             why: false,
+            max_runs: MAX_RUNS,
             repeat: RepeatArgs::default(),
             format: Form::Table,
             names: false,
@@ -256,16 +260,17 @@ impl Session {
             known.check(options)?;
         }
         found.sort_by(|a, b| options.sort.compare(&a.failure, &b.failure));
-        if options.distinct { self.merged(found, &options.repeat.repeat) } else { Ok(found) }
+        if options.distinct { self.merged(found, options) } else { Ok(found) }
     }
 
     /// Finds the causes of failures of a list; a failure that cannot be repeated has none.
-    fn explain(&self, listed: &mut [ListedFailure], options: &RepeatOptions) -> Result<(), Error> {
+    fn explain(&self, listed: &mut [ListedFailure], options: &FailuresArgs) -> Result<(), Error> {
         let name = |each: &ListedFailure| Ok((each.report.clone(), EpisodeName::of_table(each.failure.name())?));
         let names: Vec<_> = listed.iter().map(name).collect::<Result<_, Error>>()?;
-        let causes = self.each_repeated(&names, options, |repeated| {
+        let causes = Causes::new(self, names.len(), options.max_runs);
+        let causes = self.each_repeated(&names, &options.repeat.repeat, |repeated| {
             let around = repeated.incident.as_ref().and_then(around);
-            Ok(repeated.cause(true).map(|cause| (cause, around)))
+            Ok(causes.of(&repeated).map(|cause| (cause, around)))
         })?;
         for (each, cause) in listed.iter_mut().zip(causes) {
             let (cause, around) = cause.ok().flatten().unzip();
@@ -275,10 +280,10 @@ impl Session {
     }
 
     /// The first of failures that shrink to the same, with how many there are. One that cannot be repeated is not merged.
-    fn merged(&self, found: Vec<FoundFailure>, options: &RepeatOptions) -> Result<Vec<FoundFailure>, Error> {
+    fn merged(&self, found: Vec<FoundFailure>, options: &FailuresArgs) -> Result<Vec<FoundFailure>, Error> {
         let name = |each: &FoundFailure| Ok((each.report.clone(), EpisodeName::of_table(each.failure.name())?));
         let names: Vec<_> = found.iter().map(name).collect::<Result<_, Error>>()?;
-        let shrunk = self.shrink(&names, options, MAX_RUNS)?;
+        let shrunk = self.shrink(&names, &options.repeat.repeat, options.max_runs)?;
         let unrepeated = shrunk.iter().filter(|shrunk| shrunk.is_err()).count();
         let class = |each: &FoundFailure, shrunk: Result<Shrunk, Error>| {
             Some((each.report.clone(), each.failure.key.cell.policy.clone(), shrunk.ok()?.class()))
@@ -317,7 +322,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
         })
         .collect();
     if options.why {
-        session.explain(&mut listed, &options.repeat.repeat).map_err(failed)?;
+        session.explain(&mut listed, options).map_err(failed)?;
     }
     match options.format {
         _ if options.names => {
@@ -343,6 +348,9 @@ fn tell(listed: &[ListedFailure], all: usize) {
         let text = format!("{}  {}{around}{trials}", failure.name(), cause.sentence());
         console::say("");
         console::say(console::wrapped(&text).trim_end());
+    }
+    if listed.iter().filter_map(|each| each.cause.as_ref()).any(|cause| cause.is_cut) {
+        console::say("`--max-runs` raises the limit of runs.");
     }
     if listed.len() < all {
         console::say(&format!("{} of {all} failures; --top N shows more", listed.len()));

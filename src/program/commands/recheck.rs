@@ -3,7 +3,7 @@ mod encounters;
 mod meeting;
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use clap::{Args, value_parser};
 use serde_json::json;
@@ -14,9 +14,8 @@ use super::episode::RepeatArgs;
 use crate::cli::console;
 use crate::cli::failure::{failed, unwritten};
 use crate::cli::input::{Reporter, session};
-use crate::cli::progress::{Counting, Showing};
+use crate::cli::progress::Showing;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{Event, Observer, RecheckStage};
 use driver_pairs::DriverPair;
 use results::report::{self, CrossedStarts, FailureChange, Recheck, RecheckNote, RecheckedFailures};
 
@@ -94,7 +93,7 @@ pub struct RecheckArgs {
 pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_table().reference(), report::crossed_table().reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
-    let reporter = Arc::new(RecheckReporter { showing: options.progress, stage: Mutex::new(None) });
+    let reporter = Arc::new(Reporter::new(options.progress));
     let session = session(options.repeat.allow_external).with_observer(reporter.clone());
     let recheck = session.recheck(options).map_err(failed);
     reporter.end();
@@ -121,36 +120,6 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
         return Err(ExitCode::RunFailed);
     }
     Ok(code)
-}
-
-/// Shows the progress of a recheck, and its problems.
-struct RecheckReporter {
-    showing: Showing,
-    /// The stage that is under way, with its progress.
-    stage: Mutex<Option<(RecheckStage, Counting)>>,
-}
-
-impl RecheckReporter {
-    /// Removes what is shown.
-    fn end(&self) {
-        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = None;
-    }
-}
-
-impl Observer for RecheckReporter {
-    fn event(&self, event: &Event<'_>) {
-        let Event::Rechecked { stage, done, all } = *event else { return Reporter.event(event) };
-        let doing = match stage {
-            RecheckStage::Failures => "failures met again",
-            RecheckStage::Crossings => "episodes of the fixed list",
-        };
-        let mut shown = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
-        if shown.as_ref().is_none_or(|(known, _)| *known != stage) {
-            *shown = None;
-            *shown = Some((stage, Counting::new(doing, all, self.showing)));
-        }
-        shown.iter_mut().for_each(|(_, counting)| counting.reach(done));
-    }
 }
 
 /// Judges a recheck and reports which conditions are true.

@@ -11,11 +11,13 @@ use crate::cli::console;
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, reasons};
+use crate::session::{
+    Causes, ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, reasons,
+};
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
-use world::cause::{Cause, Need, TurnedBy, needed};
+use world::cause::{Cause, Need, Questions, RunLimit, TurnedBy, needed};
 use world::judge::JudgedDegree;
 use world::sim::time_of;
 
@@ -61,9 +63,12 @@ pub struct ReplayArgs {
     /// Print one JSON object, for programs.
     #[arg(long, conflicts_with = "all", display_order = 17)]
     pub json: bool,
-    /// Explain the failure also if the driver is a program, which drives about a hundred episodes for it.
+    /// Explain the failure also if the driver is a program, which drives some hundred episodes for it.
     #[arg(long, conflicts_with = "all", display_order = 19)]
     pub why: bool,
+    /// Maximum number of episodes for --why, and for --shrunk.
+    #[arg(long, default_value_t = shrink::MAX_RUNS, conflicts_with = "all", value_name = "N", display_order = 20)]
+    pub max_runs: u32,
     /// Repeat the failure with the fewest commands, as `falsify shrink` finds it.
     #[arg(long, conflicts_with = "all", display_order = 18)]
     pub shrunk: bool,
@@ -138,7 +143,7 @@ pub fn replay(options: &ReplayArgs) -> Ended {
 fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) -> Ended {
     let mut replay = session.replay(which).map_err(failed)?;
     if options.shrunk {
-        let shrunk = replay.episode.shrink(shrink::MAX_RUNS).map_err(failed)?;
+        let shrunk = replay.episode.shrink(options.max_runs).map_err(failed)?;
         replay.episode = replay.episode.replaced_by(shrunk);
     }
     let episode = &replay.episode;
@@ -147,7 +152,10 @@ fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) ->
         report::write_table(path, &table).map_err(unwritten)?;
     }
     let narrative = report::narrative(&episode.scenario, &episode.trace, &episode.judged);
-    let cause = episode.cause(options.why);
+    let cause = match options.why {
+        true => Causes::new(session, 1, options.max_runs).of(episode),
+        false => episode.cause(Questions::OfCopied, RunLimit::default()),
+    };
     let needs = episode.incident.as_ref().map_or_else(Vec::new, world::cause::needs);
     if options.json {
         console::say(&as_json(&replay, &narrative, cause.as_ref(), &needs).to_string());
@@ -167,11 +175,13 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[
     let paragraph = |text: &str| console::say(&format!("{}\n", console::wrapped(text).trim_end()));
     if let Some(cause) = cause {
         paragraph(&cause.sentence());
-        paragraph(&format!("{} {}", cause.last_chances(), cause.perfected()));
-        [&cause.setting, &cause.world].into_iter().flatten().for_each(|turned| {
-            let text = turned.text();
-            paragraph(&format!("{}{}. {}", text[..1].to_uppercase(), &text[1..], turned.cost()));
-        });
+        if cause.is_cut {
+            paragraph("`--max-runs` raises the limit.");
+        }
+        if !cause.faculties.is_empty() {
+            paragraph(&format!("{} {}", cause.last_chances(), cause.perfected()));
+        }
+        cause.world.iter().for_each(|turned| paragraph(&turned.text()));
     }
     if !needs.is_empty() {
         paragraph(&needed(needs));
@@ -276,6 +286,7 @@ fn cause_json(cause: &Cause) -> serde_json::Value {
         "sentence": cause.sentence(),
         "weakness": cause.weakness.name(),
         "amount": cause.amount,
+        "enough": cause.enough.iter().map(|weakness| weakness.name()).collect::<Vec<_>>(),
         "full_braking_helps_s": cause.last[0],
         "comfortable_braking_helps_s": cause.last[1],
         "swerving_helps_s": cause.last[2],
@@ -289,5 +300,6 @@ fn cause_json(cause: &Cause) -> serde_json::Value {
         "perfected": cause.faculties.iter().map(|(what, turns)| json!({ "what": what, "turns": turns })).collect::<Vec<_>>(),
         "tried": cause.tried.iter().map(|(what, turns)| json!({ "change": what, "turns": turns })).collect::<Vec<_>>(),
         "runs": cause.runs,
+        "limit_reached": cause.is_cut,
     })
 }

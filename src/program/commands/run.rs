@@ -241,7 +241,7 @@ impl Observer for RunReporter {
                 process::allow_to_stop(false);
                 *self.progress() = None;
             }
-            Event::Rechecked { .. } => {}
+            Event::Played { .. } => {}
             Event::ShardEnded(report) => {
                 if self.output == Output::Human {
                     let ShardReport { shard: Shard { index, count }, name, finished, all } = report;

@@ -29,7 +29,8 @@ Examples:
                                              and give it away
 
 A shrunk failure is of the same kind: it violates the same requirement, counts against the driver as much, and the car hits with the same side while the
-driver does the same. No single removal or merge of commands and no step of one towards the natural walk (5 degrees or 0.1 m/s) keeps it.
+driver does the same. No single removal of a command or another actor, no merge of commands and no step of one towards the natural walk (5 degrees or
+0.1 m/s) keeps it.
 
 Exit codes: 0 done   2 no such failure or report   8 a failure does not fail again";
 
@@ -166,11 +167,13 @@ fn tell(name: EpisodeName, shrunk: &Shrunk) {
         more if more > 0.95 => "as likely".to_string(),
         less => format!("{} times less likely", short(1.0 / less)),
     };
-    console::say(&format!("{name}  {before} → {now} commands, {likelier} among natural walks, {runs} runs, {end}"));
-    let rule = &incident.scenario.episode;
-    for (number, segments) in
-        Plan::new(&incident.commands, incident.scenario.cast.pedestrians.len()).pedestrians.iter().enumerate()
-    {
+    let without = shrunk.without();
+    console::say(&format!(
+        "{name}  {before} → {now} commands{without}, {likelier} among natural walks, {runs} runs, {end}"
+    ));
+    let (rule, roles) = (&incident.scenario.episode, &incident.scenario.cast.pedestrians);
+    let plan = Plan::new(&incident.commands, roles.len());
+    for (number, segments) in plan.pedestrians.iter().enumerate().filter(|(number, _)| !roles[*number].is_absent) {
         let mut time = 0.0;
         for segment in segments {
             let command = segment.command;
@@ -197,6 +200,7 @@ fn as_json(name: EpisodeName, shrunk: &Shrunk) -> serde_json::Value {
         "name": name.to_string(),
         "commands_before": counts[0],
         "commands_now": counts[1],
+        "without": shrunk.without.iter().map(|name| &**name).collect::<Vec<_>>(),
         "log_likelihood_before": log_likelihoods[0],
         "log_likelihood_now": log_likelihoods[1],
         "likelier": shrunk.likelier(),

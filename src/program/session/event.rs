@@ -23,21 +23,23 @@ pub enum Event<'a> {
     Campaign(&'a campaign::Event<'a>),
     /// The last of the tasks has ended.
     TasksEnded,
-    /// A recheck has played this number of all episodes of a stage; also at its start, and perhaps from several threads out of order.
-    Rechecked { stage: RecheckStage, done: u64, all: u64 },
+    /// This number of all episodes of a stage was played; also at its start, and perhaps from several threads out of order.
+    Played { stage: Stage, done: u64, all: u64 },
     /// A shard of a campaign was run.
     ShardEnded(&'a ShardReport),
     /// A campaign was run, and its report is in its place.
     Ended(&'a CampaignOutcome),
 }
 
-/// A stage of a recheck.
+/// A stage of a call that plays many episodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RecheckStage {
-    /// The failures of the report are met again.
+pub enum Stage {
+    /// A recheck meets the failures of the report again.
     Failures,
-    /// Drivers meet the fixed list of crossings.
+    /// The drivers of a recheck meet the fixed list of crossings.
     Crossings,
+    /// The causes of failures are sought, in at most all of these episodes.
+    Causes,
 }
 
 /// Observes the calls of a session.

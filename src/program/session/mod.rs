@@ -26,19 +26,21 @@ mod held_programs;
 mod changed_program;
 mod stored;
 mod repeat;
+mod causes;
 mod reasons;
 
 pub use crate::commands::{
     FailuresArgs, FoundFailure, Replay, ReplayAllOptions, ReplayOptions, ReplayedReport, Retrained,
 };
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
+pub(crate) use causes::Causes;
 pub use changed_program::ChangedProgram;
 pub use check::{Checked, Planned};
 pub use disk::Disk;
 pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
 pub(crate) use error::named;
 pub use error::{Change, Error, KeepError};
-pub use event::{Event, Level, Notice, Observer, RecheckStage, Silent};
+pub use event::{Event, Level, Notice, Observer, Silent, Stage};
 pub use growing_curves::NewestUpdate;
 pub use input::Input;
 pub(crate) use options::seconds;

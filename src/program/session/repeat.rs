@@ -7,7 +7,7 @@ use compile::{Evaluation, Search};
 use results::jobs::{Find, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
-use world::cause::{Cause, Incident, Questions, Shrunk, explain, shrink};
+use world::cause::{Cause, Incident, Questions, RunLimit, Shrunk, explain, shrink};
 use world::env::{FailureCell, Scenario, Trace};
 use world::falsifier::Failure;
 use world::judge::Judged;
@@ -53,19 +53,20 @@ impl Repeated {
         shrunk.ok_or_else(|| Error::Differs(format!("{name} does not fail again when its commands are repeated")))
     }
 
-    /// Why it failed; `None` if it is not a failure, if it is not as in the report, or if its driver is a program and `patient` is false.
-    pub fn cause(&self, patient: bool) -> Option<Cause> {
+    /// Why it failed; `None` if it is not a failure, if it is not as in the report, or if the questions leave out its driver.
+    pub fn cause(&self, questions: Questions, limit: RunLimit<'_>) -> Option<Cause> {
         let incident = self.incident.as_ref().filter(|_| self.differences.is_empty());
-        let questions = if patient { Questions::All } else { Questions::OfCopied };
-        incident.and_then(|incident| explain(incident, questions))
+        incident.and_then(|incident| explain(incident, questions, limit))
     }
 
     /// The shrunk failure in place of the episode, under its name.
     pub fn replaced_by(self, shrunk: Shrunk) -> Self {
+        let without = shrunk.without();
         let Shrunk { incident, rerun, counts: [before, now], .. } = shrunk;
-        let title = format!("{}, shrunk from {before} commands to {now}", self.title);
+        let title = format!("{}, shrunk from {before} commands to {now}{without}", self.title);
         let judged = Judged::new(&rerun.outcome, &rerun.trace.main_pair(&incident.scenario));
-        Self { title, trace: rerun.trace, judged, incident: Some(incident), ..self }
+        let scenario = incident.scenario.clone();
+        Self { title, scenario, trace: rerun.trace, judged, incident: Some(incident), ..self }
     }
 }
 

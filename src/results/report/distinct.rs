@@ -4,14 +4,12 @@ use super::replayed::played_failure;
 use crate::failure::Failure;
 use crate::parallel;
 use base::seed::Seed;
-use world::cause::{Questions, Shrunk, explain, shrink};
+use world::cause::{MAX_RUNS, Questions, RunLimit, Shrunk, explain, shrink};
 
 /// Maximum number of failures of a page that are shrunk, the first of its list.
 pub const MAX_SHRUNK: usize = 24;
 /// Maximum number of failures of a page whose cause is found.
 const MAX_EXPLAINED: usize = 8;
-/// Maximum number of runs in which a failure is shrunk.
-const MAX_RUNS: u32 = 600;
 
 /// A failure for all that shrink to the same.
 #[derive(Debug, Clone)]
@@ -68,7 +66,7 @@ pub fn distinct_failures(
     let firsts = first_of_each(classed);
     let explained = &firsts[..firsts.len().min(max_explained)];
     let mut causes = parallel::map(explained, |((_, shrunk), _)| {
-        Some(explain(&shrunk.as_ref()?.incident, Questions::OfCopied)?.sentence())
+        Some(explain(&shrunk.as_ref()?.incident, Questions::OfCopied, RunLimit::default())?.sentence())
     })
     .into_iter();
     let distinct = |((failure, shrunk), merged): ((&Failure, Option<Shrunk>), usize)| DistinctFailure {

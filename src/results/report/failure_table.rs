@@ -227,18 +227,23 @@ pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
             )
             .of(|row: &Listed| row.merged),
         )
-        .column(
-            Column::<String>::new("weakness", "", "what the driver lacks, a word; missing without --why")
-                .of(|row: &Listed| row.cause.as_ref().map(|cause| cause.weakness.name())),
+        .text("weakness", "what the driver lacks, a word; missing without --why", |row| {
+            row.cause.as_ref().map(|cause| cause.weakness.name())
+        })
+        .text(
+            "enough",
+            "the one or two weaknesses of which the repair of each alone avoids it; missing without --why",
+            |row| {
+                let enough = &row.cause.as_ref()?.enough;
+                Some(enough.iter().map(|weakness| weakness.name()).collect::<Vec<_>>().join(" "))
+            },
         )
-        .column(
-            Column::<String>::new("cause", "", "why the driver failed, a sentence; missing without --why")
-                .of(|row: &Listed| row.cause.as_ref().map(Cause::sentence)),
-        )
-        .column(
-            Column::<String>::new("around", "", "which starts around it fail, a sentence; missing without --why")
-                .of(|row: &Listed| row.around.as_ref().map(Around::sentence)),
-        );
+        .text("cause", "why the driver failed, a sentence; missing without --why", |row| {
+            row.cause.as_ref().map(Cause::sentence)
+        })
+        .text("around", "which starts around it fail, a sentence; missing without --why", |row| {
+            row.around.as_ref().map(Around::sentence)
+        });
     if failures.iter().any(|each| each.failure.needs.is_some()) {
         let doc = "roles of the other actors that it needs, with a blank between two; missing if that was not asked";
         table = table.text("needs", doc, |row| row.failure.needs.clone());

@@ -2,7 +2,7 @@ use base::choice;
 
 choice! {
     /// What a driver lacks that would have kept it from a failure.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
     pub enum Weakness {
         /// It reacts to no pedestrian at all.
         Ignores = "ignores",
@@ -29,6 +29,7 @@ choice! {
         /// The corridor that it watches is too narrow.
         Corridor = "corridor",
         /// No change that was tried explains it.
+        #[default]
         NotFound = "not_found",
     }
 }

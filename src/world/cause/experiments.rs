@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::altered::{BRAKING, Story};
-use super::{Change, Incident, Rerun, Reruns};
+use super::{Change, Incident, Rerun, Reruns, RunLimit};
 use crate::env::{Criterion, Pair, PolicyMaker, Scenario, VehicleFrame};
 use crate::geometry::Point;
 use crate::sim::{Control, WalkCommand};
@@ -9,6 +9,8 @@ use crate::sim::{Control, WalkCommand};
 /// Time after the touch for which a run that avoids it goes on (s).
 const AFTER: f64 = 5.0;
 
+/// Parts of a maximum that are tried one after the other.
+pub(super) const PARTS: [f64; 5] = [0.0625, 0.125, 0.25, 0.5, 1.0];
 /// Maximum number of obstacles that are taken away, one at a time.
 const MAX_OBSTACLES: usize = 8;
 
@@ -23,13 +25,20 @@ pub(super) struct Experiments<'a> {
     reruns: Reruns,
     /// The same start, in an episode that only its length ends.
     probes: Reruns,
-    /// Runs with other drivers.
-    others: u32,
+    limit: RunLimit<'a>,
+    /// The number of episodes up to now.
+    pub runs: u32,
+    /// Whether a run was wanted beyond the limit.
+    pub is_cut: bool,
+    /// What was tried, each with whether it turns the failure or shows a weakness.
+    pub tried: Vec<(String, bool)>,
+    /// Changes that were run, each with whether it turns the failure.
+    known: Vec<(Change, bool)>,
 }
 
 impl<'a> Experiments<'a> {
     /// `None` if the incident is not a failure when it is repeated, or if its driver cannot be copied and the caller is not patient.
-    pub fn new(incident: &'a Incident, patient: bool) -> Option<Self> {
+    pub fn new(incident: &'a Incident, patient: bool, limit: RunLimit<'a>) -> Option<Self> {
         let mut whole = Reruns::new(incident);
         if !patient && !whole.is_copied() {
             return None;
@@ -50,7 +59,25 @@ impl<'a> Experiments<'a> {
         endless.episode.end_when = None;
         endless.episode.ticks = base.outcome.ticks + (AFTER / endless.episode.tick) as u32;
         let probes = Reruns::with(incident, Arc::new(endless));
-        Some(Self { incident, base, scenario, story, reruns, probes, others: 1 })
+        let (tried, known) = (Vec::new(), Vec::new());
+        Some(Self { incident, base, scenario, story, reruns, probes, limit, runs: 1, is_cut: false, tried, known })
+    }
+
+    /// Counts a run; `None` beyond the limit.
+    pub fn count(&mut self) -> Option<()> {
+        self.is_cut |= self.runs >= self.limit.max_runs;
+        (!self.is_cut).then(|| {
+            self.runs += 1;
+            (self.limit.ran)();
+        })
+    }
+
+    /// Notes what was tried, unless the limit has cut it.
+    pub fn note(&mut self, what: impl Into<String>, turns: bool) -> bool {
+        if !self.is_cut {
+            self.tried.push((what.into(), turns));
+        }
+        turns
     }
 
     /// Whether a run takes no run-up.
@@ -61,11 +88,6 @@ impl<'a> Experiments<'a> {
     /// The speed limit at the start (m/s).
     pub fn speed_limit(&self) -> f64 {
         self.reruns.speed_limit
-    }
-
-    /// The number of episodes up to now.
-    pub fn runs(&self) -> u32 {
-        self.reruns.runs + self.probes.runs + self.others
     }
 
     /// Length of a tick (s).
@@ -85,12 +107,16 @@ impl<'a> Experiments<'a> {
 
     /// The episode with one thing changed.
     pub fn run(&mut self, change: Change) -> Option<Rerun> {
+        self.count()?;
         let story = self.story.clone();
         self.reruns.run_with(&self.incident.commands, &(Arc::new(move |driver| story.alter(driver, change)) as _))
     }
 
     /// Whether two changes at once turn the failure.
     pub fn turns_with(&mut self, one: Change, other: Change) -> bool {
+        if self.count().is_none() {
+            return false;
+        }
         let story = self.story.clone();
         let both = move |driver| story.alter(story.alter(driver, one), other);
         let rerun = self.reruns.run_with(&self.incident.commands, &(Arc::new(both) as _));
@@ -112,7 +138,12 @@ impl<'a> Experiments<'a> {
 
     /// Whether a change turns the failure.
     pub fn turns(&mut self, change: Change) -> bool {
-        self.run(change).is_some_and(|rerun| self.avoids(&rerun))
+        if let Some((_, turns)) = self.known.iter().find(|(known, _)| *known == change) {
+            return *turns;
+        }
+        let turns = self.run(change).is_some_and(|rerun| self.avoids(&rerun));
+        self.known.push((change, turns));
+        turns
     }
 
     /// Whether another driver avoids it.
@@ -124,23 +155,24 @@ impl<'a> Experiments<'a> {
 
     /// Whether it does not happen in another scenario, from the same start of the pedestrian.
     pub fn is_turned_in(&mut self, scenario: Arc<Scenario>) -> bool {
+        if self.count().is_none() {
+            return false;
+        }
         let mut reruns = Reruns::with(self.incident, scenario);
-        self.others += 1;
         let start = |rerun: &Rerun| rerun.trace.pedestrian(0).first().map(|first| first.pose);
         let rerun = reruns.run(&self.incident.commands).filter(|rerun| start(rerun) == start(&self.base));
         rerun.is_some_and(|rerun| self.avoids(&rerun))
     }
 
     /// What turns the failure if it is not there: the traffic lights, or one of the obstacles that hide the pedestrian. What was tried is noted.
-    pub fn without(&mut self, tried: &mut Vec<(String, bool)>) -> Option<String> {
+    pub fn without(&mut self) -> Option<String> {
         let scenario = self.scenario.clone();
         let mut turned = None;
         if scenario.episode.traffic_lights && !scenario.town.traffic_lights.is_empty() {
             let mut dark = Scenario::clone(&scenario);
             dark.episode.traffic_lights = false;
             let turns = self.is_turned_in(Arc::new(dark));
-            tried.push(("no traffic lights".into(), turns));
-            turned = turns.then(|| "traffic lights".to_owned());
+            turned = self.note("no traffic lights", turns).then(|| "traffic lights".to_owned());
         }
         let pair = self.pair();
         let hidden = pair.frames().map(|frame| (pair.eye(&frame), frame.pedestrian.pose.position()));
@@ -150,7 +182,7 @@ impl<'a> Experiments<'a> {
             let without = Scenario { obstacles: Arc::new(obstacles), ..Scenario::clone(&scenario) };
             let turns = self.is_turned_in(Arc::new(without));
             let name = format!("the obstacle at ({:.1} m, {:.1} m)", middle.x, middle.y);
-            tried.push((format!("without {name}"), turns));
+            self.note(format!("without {name}"), turns);
             turned = turned.or(turns.then_some(name));
         }
         turned
@@ -172,7 +204,7 @@ impl<'a> Experiments<'a> {
     /// The least amount of a change that turns it, up to a maximum, to a hundredth of it.
     pub fn least(&mut self, maximum: f64, change: impl Fn(f64) -> Change) -> Option<f64> {
         let mut fails = 0.0;
-        for part in [0.0625, 0.125, 0.25, 0.5, 1.0] {
+        for part in PARTS {
             let mut helps = part * maximum;
             if !self.turns(change(helps)) {
                 fails = helps;
@@ -200,6 +232,7 @@ impl<'a> Experiments<'a> {
         let role = self.scenario.cast.pedestrian();
         let heading = self.pair().walking.first().map_or(0.0, |first| first.pose.yaw);
         let still = vec![WalkCommand { heading, speed: role.action.speed.0 }; self.scenario.cast.pedestrians.len()];
+        self.count()?;
         let (story, change) = (self.story.clone(), Change::Appears { from, somebody, speed });
         self.probes.run_with(&still, &(Arc::new(move |driver| story.alter(driver, change)) as _))
     }

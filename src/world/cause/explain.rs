@@ -1,5 +1,5 @@
 use super::altered::BRAKING;
-use super::experiments::Experiments;
+use super::experiments::{Experiments, PARTS};
 use super::profile::Profile;
 use super::setting::Variable;
 use super::{Change, Incident};
@@ -23,25 +23,27 @@ const LATE: f64 = 0.4;
 /// Decelerations that must be enough for somebody far ahead (m/s²): beyond a fixed range (that of AASHTO's stopping sight distance), and at a distance that
 /// grows with the speed.
 const ENOUGH: (f64, f64) = (3.4, 5.0);
-/// The ratio of distances of reaction, at one and a half times the speed, below which they do not grow with it.
-const SAME: f64 = 1.1;
 /// A driver that sees less than this share of its half width on one side does not see that side.
 const BLIND: f64 = 0.75;
 /// Distance that is left before somebody who is not hit (m).
-const SPARE: f64 = 1.0;
+pub(super) const SPARE: f64 = 1.0;
 /// Maximum amounts that are tried: how much earlier (s), farther to the middle, and nearer (m).
 const MAX: (f64, f64, f64) = (3.0, 6.0, 30.0);
+/// Maximum number of episodes of an explanation where the caller sets none.
+pub const MAX_RUNS: u32 = 600;
 /// The time before a touch in which a car that drove off stood (s).
 const DROVE_OFF: f64 = 6.0;
 /// A driver that reacts earlier by this to a pedestrian from the other side (s) sees one side only.
 const EARLIER: f64 = 0.5;
 
 /// Why a driver failed, by runs with one thing changed. Times are before the touch, or before the end of the episode that violates a requirement (s).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Cause {
     pub weakness: Weakness,
     /// Of [`Weakness`]: how much of it, such as the delay (s) or by how much the corridor is too narrow (m).
     pub amount: Option<f64>,
+    /// Weaknesses of which the repair of each alone avoids the failure, as runs show: the named one, and the next in the order of the rules.
+    pub enough: Vec<Weakness>,
     /// When full braking, comfortable braking and swerving help for the last time; `None` if they never do.
     pub last: [Option<f64>; 3],
     /// For how long the pedestrian was in sight without a break.
@@ -53,10 +55,11 @@ pub struct Cause {
     /// Whether it stood shortly before, and at a red light.
     pub drove_off: Option<bool>,
     /// What of a driver was made perfect, one at a time, and whether that turns it.
-    pub faculties: [(&'static str, bool); 4],
+    pub faculties: Vec<(&'static str, bool)>,
     /// Two of these that turn it together, if none does alone and nothing else was found.
     pub together: Option<[&'static str; 2]>,
-    /// The smallest change of a setting of the driver or of its sensors that turns it; one that costs no faults in natural crossings comes first.
+    /// The smallest change of a setting of the driver or of its sensors that turns it, as all larger ones that were tried do; one that costs no faults in
+    /// natural crossings comes first.
     pub setting: Option<TurnedBy>,
     /// The same of the world: a lower speed limit, a road with more friction.
     pub world: Option<TurnedBy>,
@@ -64,8 +67,11 @@ pub struct Cause {
     pub without: Option<String>,
     /// What was tried, each with whether it turns the failure.
     pub tried: Vec<(String, bool)>,
-    /// The number of episodes that it took, without the natural crossings.
+    /// The number of episodes that it took.
     pub runs: u32,
+    /// Whether more runs were wanted than the limit allows. What was not asked by then is left out, and the weakness is
+    /// [`Weakness::NotFound`] if it hangs on that.
+    pub is_cut: bool,
 }
 
 /// What is asked about a failure.
@@ -90,44 +96,40 @@ pub struct TurnedBy {
     pub natural: [Traffic; 2],
 }
 
+/// How many episodes an explanation may take.
+#[derive(Clone, Copy)]
+pub struct RunLimit<'a> {
+    pub max_runs: u32,
+    /// Called before each episode after the first, which repeats the failure.
+    pub ran: &'a dyn Fn(),
+}
+
+impl Default for RunLimit<'_> {
+    fn default() -> Self {
+        Self { max_runs: MAX_RUNS, ran: &|| () }
+    }
+}
+
 /// Finds out why an incident happened; `None` if it is not a failure when it is repeated.
-pub fn explain(incident: &Incident, questions: Questions) -> Option<Cause> {
+pub fn explain(incident: &Incident, questions: Questions, limit: RunLimit<'_>) -> Option<Cause> {
     let parts = &incident.scenario.cast.ego().parts;
-    let experiments = Experiments::new(incident, questions != Questions::OfCopied)?;
-    let mut inquiry = Inquiry { experiments, tried: Vec::new() };
-    let facts = inquiry.facts()?;
-    let (weakness, amount) = inquiry.weakness(parts, &facts);
-    let (faculties, together) = inquiry.faculties(parts, &facts);
-    let together = together.filter(|_| weakness == Weakness::NotFound);
-    let Inquiry { mut experiments, mut tried } = inquiry;
-    let (mut setting, mut world, mut without) = (None, None, None);
-    if questions > Questions::Weakness {
-        let variables = Variable::of_driver(&parts.settings, &incident.scenario);
-        setting = experiments.setting(&variables, &mut tried);
-        if experiments.is_copied() {
-            let variables = Variable::of_world(&experiments);
-            world = experiments.setting(&variables, &mut tried);
-            without = experiments.without(&mut tried);
+    let mut it = Experiments::new(incident, questions != Questions::OfCopied, limit)?;
+    let mut cause = match it.facts() {
+        Some(facts) => it.cause(parts, &facts),
+        None if it.is_cut => Cause::default(),
+        None => return None,
+    };
+    if it.is_cut {
+        // What was found up to here hangs on runs that are missing.
+        cause = Cause::default();
+    } else if questions > Questions::Weakness {
+        cause.setting = it.setting(&Variable::of_driver(&parts.settings, &incident.scenario));
+        if it.is_copied() {
+            cause.world = it.setting(&Variable::of_world(&it));
+            cause.without = it.without();
         }
     }
-    let Facts { last, seen, reaction, braked, drove_off, .. } = facts;
-    let before = |tick: u32| experiments.before(tick);
-    Some(Cause {
-        weakness,
-        amount,
-        last: last.map(|tick| tick.map(before)),
-        seen,
-        reacted: reaction.map(before),
-        braked: braked.map(before),
-        drove_off,
-        faculties,
-        together,
-        setting,
-        world,
-        without,
-        tried,
-        runs: experiments.runs(),
-    })
+    Some(Cause { tried: it.tried, runs: it.runs, is_cut: it.is_cut, ..cause })
 }
 
 /// What happened, in ticks of the episode.
@@ -142,14 +144,31 @@ struct Facts {
     profile: Profile,
 }
 
-struct Inquiry<'a> {
-    experiments: Experiments<'a>,
-    tried: Vec<(String, bool)>,
-}
+impl Experiments<'_> {
+    /// The cause without settings.
+    fn cause(&mut self, parts: &DriverParts, facts: &Facts) -> Cause {
+        let (weakness, amount) = self.weakness(parts, facts);
+        let (faculties, together) = self.faculties(parts, facts);
+        let enough = self.enough(weakness, facts);
+        let Facts { last, seen, reaction, braked, drove_off, .. } = *facts;
+        let before = |tick: u32| self.before(tick);
+        Cause {
+            weakness,
+            amount,
+            enough,
+            last: last.map(|tick| tick.map(before)),
+            seen,
+            reacted: reaction.map(before),
+            braked: braked.map(before),
+            drove_off,
+            faculties: faculties.into(),
+            together: together.filter(|_| weakness == Weakness::NotFound),
+            ..Cause::default()
+        }
+    }
 
-impl Inquiry<'_> {
     fn facts(&mut self) -> Option<Facts> {
-        let it = &mut self.experiments;
+        let it = self;
         let unseen = it.run(Change::Unseen)?;
         let reaction = Experiments::differs(&it.base, &unseen);
         let full = it.last(Change::BrakesFrom);
@@ -177,63 +196,62 @@ impl Inquiry<'_> {
     }
 
     /// Tries a change and notes it.
-    fn turns(&mut self, what: &str, change: Change) -> bool {
-        let turns = self.experiments.turns(change);
-        self.tried.push((what.to_owned(), turns));
-        turns
+    fn tries(&mut self, what: &str, change: Change) -> bool {
+        let turns = self.turns(change);
+        self.note(what, turns)
     }
 
     /// The first weakness that explains the failure, with its amount.
     fn weakness(&mut self, parts: &DriverParts, facts: &Facts) -> (Weakness, Option<f64>) {
-        self.tried.push(("nobody there".into(), false));
+        self.note("nobody there", false);
         let Profile { latency, deceleration, releases, loses, gives_way, .. } = facts.profile;
-        let dt = self.experiments.dt();
-        self.tried.push(("somebody near: brakes harder, or leaves its way".into(), !gives_way));
-        if !gives_way && if facts.reaction.is_some() { self.experiments.keeps_brake(KEPT) } else { self.ignores() } {
+        let dt = self.dt();
+        self.note("somebody near: brakes harder, or leaves its way", !gives_way);
+        if !gives_way && if facts.reaction.is_some() { self.keeps_brake(KEPT) } else { self.ignores() } {
             return (Weakness::Ignores, None);
         }
         if let Some(found) = self.parts(parts, latency.map(|latency| latency.0)) {
             return found;
         }
-        let full_braking = facts.last[0].map_or(0.0, |tick| self.experiments.before(tick));
-        if facts.seen + dt < full_braking && self.turns("sight through obstacles", Change::SeenThrough) {
+        let full_braking = facts.last[0].map_or(0.0, |tick| self.before(tick));
+        if facts.seen + dt < full_braking && self.tries("sight through obstacles", Change::SeenThrough) {
             return (Weakness::Hidden, Some(facts.seen));
         }
         if let Some((least, most)) = latency {
             let flickers = least <= PROMPT && (loses || most - least > FLICKER);
-            self.tried.push((format!("somebody near, a little later: reacts in {least:.2} to {most:.2} s"), flickers));
+            self.note(format!("somebody near, a little later: reacts in {least:.2} to {most:.2} s"), flickers);
             if flickers {
                 return (Weakness::Dropouts, None);
             }
         }
         if let Some((delay, _)) = latency.filter(|(delay, _)| *delay > PROMPT) {
             let earlier = |time: f64| Change::Earlier((time / dt).round() as u32);
-            let turns = COMPENSATED.into_iter().any(|part| self.experiments.turns(earlier(part * delay)));
-            self.tried.push((format!("{delay:.2} s earlier"), turns));
+            let turns = COMPENSATED.into_iter().any(|part| self.turns(earlier(part * delay)));
+            self.note(format!("{delay:.2} s earlier"), turns);
             if turns || delay > LATE {
                 return (Weakness::Delay, Some(delay));
             }
         }
-        self.tried.push((format!("somebody near: brakes with {deceleration:.1} m/s²"), deceleration < WEAK.1));
+        self.note(format!("somebody near: brakes with {deceleration:.1} m/s²"), deceleration < WEAK.1);
         if let Some(found) = self.beside(facts) {
             return found;
         }
         if (facts.released || facts.reaction.is_none())
             && releases
-            && self.turns("keeps the brake once it brakes", Change::KeepsBraking)
+            && self.tries("keeps the brake once it brakes", Change::KeepsBraking)
         {
             return (Weakness::LetsGo, None);
         }
         let brake = (WEAK.0 / deceleration.max(0.1), WEAK.1 / deceleration.max(0.1));
         let (distance, missing) = self.distance(facts);
         let is_weak = if missing > 1.0 { brake.0 > missing } else { brake.1 > 1.0 };
-        if latency.is_some() && is_weak && self.turns("full braking once it brakes", Change::BrakesFully) {
+        if latency.is_some() && is_weak && self.tries("full braking once it brakes", Change::BrakesFully) {
             return (Weakness::WeakBrake, self.hardest());
         }
         if let Some(found) = distance.or_else(|| self.unforeseen()) {
             return found;
         }
-        if self.turns("full braking once it brakes", Change::BrakesFully) {
+        if self.tries("full braking once it brakes", Change::BrakesFully) {
             return (Weakness::WeakBrake, self.hardest());
         }
         if self.reacts_earlier(facts) {
@@ -245,17 +263,77 @@ impl Inquiry<'_> {
     /// What the parts of a driver show that can be exchanged. `latency` is its least response time (s).
     fn parts(&mut self, parts: &DriverParts, latency: Option<f64>) -> Option<(Weakness, Option<f64>)> {
         if let Some(exact) = &parts.exact_sensors {
-            let turns = self.experiments.is_turned_by(exact);
-            self.tried.push(("exact sensors".into(), turns));
+            let turns = self.is_turned_by(exact);
+            self.note("exact sensors", turns);
             if turns {
-                let turning = |(_, driver): &&(Weakness, _)| self.experiments.is_turned_by(driver);
+                let turning = |(_, driver): &&(Weakness, _)| self.is_turned_by(driver);
                 let first = parts.sensors.iter().find(turning).map(|(weakness, _)| *weakness);
                 return Some((first.unwrap_or(Weakness::Errors), None));
             }
         }
-        let turns = self.experiments.is_turned_by(parts.prompt.as_ref()?);
-        self.tried.push(("no delay".into(), turns));
+        let turns = self.is_turned_by(parts.prompt.as_ref()?);
+        self.note("no delay", turns);
         turns.then_some((Weakness::Delay, latency))
+    }
+
+    /// The named weakness, if a run shows that its repair alone avoids the failure, and the next one in the order of the rules whose repair alone does,
+    /// too. A third would tell little: most failures are avoided by several repairs.
+    fn enough(&mut self, named: Weakness, facts: &Facts) -> Vec<Weakness> {
+        if matches!(named, Weakness::Ignores | Weakness::NotFound) {
+            return Vec::new();
+        }
+        let parts = ["exact sensors", "no delay"];
+        let is_shown = self.tried.iter().any(|(what, turns)| *turns && parts.contains(&what.as_str()));
+        let (own, others): (Vec<_>, Vec<_>) =
+            self.repairs(named, facts).into_iter().partition(|repair| repair.0 == named);
+        let mut turns = |changes: &[Change]| changes.iter().any(|change| self.turns(*change));
+        let named = (is_shown || own.iter().any(|(.., changes)| turns(changes))).then_some(named);
+        let next = others.iter().find(|(_, shows, changes)| *shows && turns(changes));
+        named.into_iter().chain(next.map(|(weakness, ..)| *weakness)).collect()
+    }
+
+    /// What repairs each weakness, in the order of the rules, with whether it counts beside the named one: the driver shows it.
+    fn repairs(&self, named: Weakness, facts: &Facts) -> [(Weakness, bool, Vec<Change>); 10] {
+        let Facts { seen, last, released, reaction, profile, .. } = facts;
+        let full_braking = last[0].map_or(0.0, |tick| self.before(tick));
+        let delay = profile.latency.map_or(0.0, |latency| latency.0);
+        let earlier = COMPENSATED.map(|part| Change::Earlier((part * delay / self.dt()).round() as u32));
+        let (is_blind, edge) = self.sides(profile);
+        let [left, right] = profile.stands;
+        let [fixed, growing] = self.needed(profile);
+        let [reach, _] = profile.reach;
+        let is_short = profile.is_fixed() && reach < fixed;
+        let gap = profile.gap.unwrap_or(f64::INFINITY);
+        let is_unforeseen = named == Weakness::Anticipation;
+        let lets_go = profile.releases && (*released || reaction.is_none());
+        [
+            (Weakness::Hidden, seen + self.dt() < full_braking, vec![Change::SeenThrough]),
+            (Weakness::Delay, delay > PROMPT, earlier.into()),
+            (Weakness::BlindSide, is_blind, vec![Change::Mirrored]),
+            (Weakness::Corridor, left.max(right) < edge, PARTS.map(|part| Change::Sideways(part * MAX.1)).into()),
+            (Weakness::LetsGo, lets_go, vec![Change::KeepsBraking]),
+            (Weakness::WeakBrake, profile.deceleration < WEAK.1, vec![Change::BrakesFully]),
+            (Weakness::Range, is_short, vec![Change::Nearer(fixed - reach)]),
+            (Weakness::Distance, !is_short && gap < growing, vec![Change::Nearer(growing - gap)]),
+            (Weakness::Anticipation, true, vec![Change::TrueVelocity, Change::Foretold]),
+            (Weakness::Distance, is_unforeseen, PARTS.map(|part| Change::Nearer(part * MAX.2)).into()),
+        ]
+    }
+
+    /// Whether the driver does not watch one side; and how far beside its axis it must react to somebody (m).
+    fn sides(&self, profile: &Profile) -> (bool, f64) {
+        let pair = self.pair();
+        let width = pair.blueprint.half_width;
+        let watches = |side: f64, other: f64| side >= BLIND * width || other < width;
+        let [left, right] = profile.stands;
+        (!watches(left, right) || !watches(right, left), width + pair.body.radius / 2.0)
+    }
+
+    /// How far ahead somebody in its way must be noticed if that is at a fixed range, and braked for if the distance grows with the speed (m).
+    fn needed(&self, profile: &Profile) -> [f64; 2] {
+        let Profile { speed, latency, .. } = profile;
+        let reaction = speed * (latency.map_or(0.0, |latency| latency.0) + self.dt()) + SPARE;
+        [ENOUGH.0, ENOUGH.1].map(|deceleration| reaction + speed * speed / (2.0 * deceleration))
     }
 
     /// Whether perfect perception, perfect prediction, a perfect brake, and no delay turn the failure, or else two of them together.
@@ -264,7 +342,7 @@ impl Inquiry<'_> {
         parts: &DriverParts,
         facts: &Facts,
     ) -> ([(&'static str, bool); 4], Option<[&'static str; 2]>) {
-        let it = &mut self.experiments;
+        let it = self;
         let late = facts.profile.latency.map_or(0, |(least, _)| (least / it.dt()).round() as u32);
         let parts = [&parts.exact_sensors, &None, &None, &parts.prompt];
         let changes: [(&str, Vec<Change>); 4] = [
@@ -292,85 +370,74 @@ impl Inquiry<'_> {
     /// Whether the driver gives the commands of an empty road wherever the pedestrian seems to be.
     fn ignores(&mut self) -> bool {
         let changes = [Change::Foretold, Change::Sideways(MAX.1), Change::Nearer(MAX.2), Change::Mirrored];
-        let base = self.experiments.base.clone();
-        let is_same =
-            |change| self.experiments.run(change).is_some_and(|run| Experiments::differs(&base, &run).is_none());
+        let base = self.base.clone();
+        let is_same = |change| self.run(change).is_some_and(|run| Experiments::differs(&base, &run).is_none());
         changes.map(is_same) == [true; 4]
     }
 
     /// Whether it does not watch one side, or too little of both.
     fn beside(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
-        let pair = self.experiments.pair();
-        let (width, edge) = (pair.blueprint.half_width, pair.blueprint.half_width + pair.body.radius / 2.0);
         let [left, right] = facts.profile.stands;
-        let watches = |side: f64, other: f64| side >= BLIND * width || other < width;
-        self.tried.push((
+        let (is_blind, edge) = self.sides(&facts.profile);
+        self.note(
             format!("somebody beside its axis: reacts up to {left:.1} m to the left and {right:.1} m to the right"),
             left.min(right) < edge,
-        ));
-        if !watches(left, right) || !watches(right, left) {
+        );
+        if is_blind {
             return Some((Weakness::BlindSide, None));
         }
         if left.max(right) >= edge {
             return None;
         }
-        let aside = self.experiments.least(MAX.1, Change::Sideways);
-        self.tried.push((format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some()));
+        let aside = self.least(MAX.1, Change::Sideways);
+        self.note(format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some());
         aside.map(|aside| (Weakness::Corridor, Some(aside)))
     }
 
     /// What a driver expects wrongly that sees the pedestrian and brakes too late or not at all.
     fn unforeseen(&mut self) -> Option<(Weakness, Option<f64>)> {
-        let velocity = self.turns("the velocity that leads to the touch", Change::TrueVelocity);
-        if velocity || self.turns("somebody who stands at the place of the touch", Change::Foretold) {
+        let velocity = self.tries("the velocity that leads to the touch", Change::TrueVelocity);
+        if velocity || self.tries("somebody who stands at the place of the touch", Change::Foretold) {
             return Some((Weakness::Anticipation, None));
         }
-        let aside = self.experiments.least(MAX.1, Change::Sideways);
-        self.tried.push((format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some()));
+        let aside = self.least(MAX.1, Change::Sideways);
+        self.note(format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some());
         if aside.is_some() {
             return Some((Weakness::Anticipation, aside));
         }
-        let nearer = self.experiments.least(MAX.2, Change::Nearer);
-        self.tried.push((format!("up to {} m nearer along its way", MAX.2), nearer.is_some()));
+        let nearer = self.least(MAX.2, Change::Nearer);
+        self.note(format!("up to {} m nearer along its way", MAX.2), nearer.is_some());
         nearer.map(|nearer| (Weakness::Distance, Some(nearer)))
     }
 
     /// Whether somebody in its way is noticed too late at this speed: beyond a fixed range, or at a distance that grows with the speed but too little.
     /// With the ratio of the distance that is needed to that at which it notices somebody.
     fn distance(&mut self, facts: &Facts) -> (Option<(Weakness, Option<f64>)>, f64) {
-        let Profile { speed, reach: [reach, faster], gap, latency, .. } = facts.profile;
-        let reaction = speed * (latency.map_or(0.0, |latency| latency.0) + self.experiments.dt()) + SPARE;
-        let needed = |deceleration: f64| reaction + speed * speed / (2.0 * deceleration);
-        let is_fixed = faster <= SAME * reach + SPARE / 2.0;
-        let ratio = needed(ENOUGH.0) / reach.max(0.1);
-        self.tried.push((
-            format!("somebody in its way: notices {reach:.1} m ahead, {:.1} m are needed", needed(ENOUGH.0)),
-            is_fixed && ratio > 1.0,
-        ));
-        if is_fixed && ratio > 1.0 {
+        let Profile { reach: [reach, _], gap, .. } = facts.profile;
+        let [fixed, growing] = self.needed(&facts.profile);
+        let ratio = fixed / reach.max(0.1);
+        let is_short = facts.profile.is_fixed() && ratio > 1.0;
+        self.note(format!("somebody in its way: notices {reach:.1} m ahead, {fixed:.1} m are needed"), is_short);
+        if is_short {
             return (Some((Weakness::Range, Some(reach))), ratio);
         }
         let Some(gap) = gap else { return (None, 0.0) };
-        let needed = needed(ENOUGH.1);
-        self.tried
-            .push((format!("somebody in its way: brakes {gap:.1} m ahead, {needed:.1} m are needed"), gap < needed));
-        ((gap < needed).then_some((Weakness::Distance, Some(gap))), 0.0)
+        self.note(format!("somebody in its way: brakes {gap:.1} m ahead, {growing:.1} m are needed"), gap < growing);
+        ((gap < growing).then_some((Weakness::Distance, Some(gap))), 0.0)
     }
 
     /// Whether it reacts earlier to a pedestrian from the other side.
     fn reacts_earlier(&mut self, facts: &Facts) -> bool {
-        let Some(mirrored) = self.experiments.run(Change::Mirrored) else { return false };
-        let Some(unseen) = self.experiments.run(Change::Unseen) else { return false };
+        let Some(mirrored) = self.run(Change::Mirrored) else { return false };
+        let Some(unseen) = self.run(Change::Unseen) else { return false };
         let then = Experiments::differs(&mirrored, &unseen);
-        then.is_some_and(|then| {
-            facts.reaction.is_none_or(|now| f64::from(now - then.min(now)) * self.experiments.dt() > EARLIER)
-        })
+        then.is_some_and(|then| facts.reaction.is_none_or(|now| f64::from(now - then.min(now)) * self.dt() > EARLIER))
     }
 
     /// The hardest deceleration before the end (m/s²).
     fn hardest(&self) -> Option<f64> {
-        let frames = self.experiments.base.trace.vehicle(0);
-        let slower = frames.windows(2).map(|pair| (pair[0].state.speed - pair[1].state.speed) / self.experiments.dt());
+        let frames = self.base.trace.vehicle(0);
+        let slower = frames.windows(2).map(|pair| (pair[0].state.speed - pair[1].state.speed) / self.dt());
         slower.max_by(f64::total_cmp).filter(|_| frames.iter().any(|frame| frame.driven.control.brake > BRAKING))
     }
 }

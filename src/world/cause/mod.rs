@@ -22,7 +22,7 @@ mod shrink;
 
 pub use altered::Change;
 pub use around::{Around, StartRule, around};
-pub use explain::{Cause, Questions, TurnedBy, explain};
+pub use explain::{Cause, MAX_RUNS, Questions, RunLimit, TurnedBy, explain};
 pub use failure_kind::FailureKind;
 pub use incident::{Incident, Rerun, Reruns, WrapMaker};
 pub use needs::{Need, needed, needed_names, needs};

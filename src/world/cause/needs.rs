@@ -23,7 +23,8 @@ pub struct Need {
 pub fn needs(incident: &Incident) -> Vec<Need> {
     let Incident { scenario, criterion, commands, .. } = incident;
     let cast = &scenario.cast;
-    let others: Vec<ActorId> = cast.actors().filter(|actor| *actor != ActorId::EGO).collect();
+    let others: Vec<ActorId> =
+        cast.actors().filter(|actor| *actor != ActorId::EGO && !cast.is_absent(*actor)).collect();
     let recorded = Reruns::new(incident).run(commands).filter(|_| others.len() > 1);
     let Some(recorded) = recorded.map(|rerun| rerun.judged(*criterion, scenario)) else { return Vec::new() };
     let blame = if recorded.is(*criterion, Blame::Fault) { Blame::Fault } else { Blame::Any };

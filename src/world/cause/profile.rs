@@ -1,6 +1,7 @@
 use super::Rerun;
 use super::altered::BRAKING;
 use super::experiments::Experiments;
+use super::explain::SPARE;
 use crate::env::VehicleFrame;
 use crate::geometry::{Vector, wrap_angle};
 
@@ -27,6 +28,8 @@ const FREE: f64 = 1.5;
 const STRAIGHT: f64 = 0.05;
 /// How long a driver may take to give way to somebody near (s), and how far it then leaves its way at least (m).
 const GIVES_WAY: (f64, f64) = (2.0, 0.5);
+/// The ratio of distances of reaction, at one and a half times the speed, below which they do not grow with it.
+const SAME: f64 = 1.1;
 /// Halvings of a distance.
 const HALVINGS: u32 = 6;
 
@@ -111,6 +114,12 @@ impl Profile {
         probe.empty = probe.experiments.appears(from, None, FASTER)?;
         profile.reach = [at_its_speed, ahead(&mut probe)];
         Some(profile)
+    }
+
+    /// Whether it reacts at a range that does not grow with the speed.
+    pub fn is_fixed(&self) -> bool {
+        let [reach, faster] = self.reach;
+        faster <= SAME * reach + SPARE / 2.0
     }
 
     /// Notes how hard it brakes, and returns the distance from somebody who stood this far ahead when it brakes first.

@@ -2,9 +2,16 @@ use super::{Cause, TurnedBy};
 use crate::av::Weakness;
 
 impl Cause {
-    /// The cause in a sentence or two, without the name of the driver: `drives off after a red light, sees her for 2.4 s and does not brake: …`. A value of a
-    /// key that turns this one failure may do so by chance of timing, so settings are told apart, with what they cost ([`TurnedBy`]).
+    /// The cause in a few sentences, without the name of the driver: `drives off after a red light, sees her for 2.4 s and does not brake: …`, then the setting
+    /// that avoids it, with what that costs.
     pub fn sentence(&self) -> String {
+        let cut = match self.is_cut {
+            true => format!(" The limit of {} runs was reached, so not all was tried.", self.runs),
+            false => String::new(),
+        };
+        if self.is_cut && self.weakness == Weakness::NotFound {
+            return format!("A cause was not found.{cut}");
+        }
         let drove_off = match self.drove_off {
             Some(true) => "drives off after a red light, ",
             Some(false) => "drives off, ",
@@ -18,7 +25,34 @@ impl Cause {
         let why = self.why();
         let without = self.without.as_ref().map(|what| format!("without {what} it avoids it"));
         let without = without.map(|without| format!("; {without}")).unwrap_or_default();
-        format!("The driver {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{without}.", self.seen)
+        let enough = self.repairs();
+        let setting = self.setting.as_ref().map_or(String::new(), |setting| format!(" {}", setting.text()));
+        format!(
+            "The driver {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{enough}{without}.{setting}{cut}",
+            self.seen
+        )
+    }
+
+    /// Which of two repairs are enough, each alone; empty of one that the cause already says.
+    fn repairs(&self) -> String {
+        let repair = |weakness: &Weakness| match weakness {
+            Weakness::Hidden => "sight through the obstacle",
+            Weakness::BlindSide => "sight on that side",
+            Weakness::Range => "a longer range",
+            Weakness::Errors | Weakness::Dropouts => "exact sensors",
+            Weakness::Delay => "a prompt response",
+            Weakness::WeakBrake => "full braking once it brakes",
+            Weakness::LetsGo => "to keep the brake",
+            Weakness::Distance => "to brake farther ahead",
+            Weakness::Anticipation => "a true forecast of the pedestrian",
+            Weakness::Corridor => "a wider corridor",
+            Weakness::Ignores | Weakness::NotFound => "to brake for people",
+        };
+        match self.enough.as_slice() {
+            [one, other] => format!("; either of these alone avoids it: {}, or {}", repair(one), repair(other)),
+            [one] if *one != self.weakness => format!("; {} alone avoids it", repair(one)),
+            _ => String::new(),
+        }
     }
 
     /// What it lacks.
@@ -99,11 +133,12 @@ impl Cause {
 }
 
 impl TurnedBy {
-    /// As ``with `margin` 0.7 m instead of 0.3 m it avoids it``.
+    /// As ``With `margin` of at least 0.7 m instead of 0.3 m it avoids it.``, with what it costs.
     pub fn text(&self) -> String {
         let Self { name, unit, from, to, .. } = self;
         let value = |value: f64| format!("{} {unit}", base::signature::short(value)).trim_end().to_string();
-        format!("with `{name}` {} instead of {} it avoids it", value(*to), value(*from))
+        let bound = if to > from { "least" } else { "most" };
+        format!("With `{name}` of at {bound} {} instead of {} it avoids it. {}", value(*to), value(*from), self.cost())
     }
 
     /// What it costs in natural crossings.

@@ -73,7 +73,7 @@ impl Variable {
         (!is_test).then_some(limit).into_iter().chain(friction).collect()
     }
 
-    /// The least change that turns a failure: its size, as a logarithm of the ratio, and the value.
+    /// The least change that turns a failure, as all larger ones that are tried do: its size, as a logarithm of the ratio, and the value.
     fn least_change(&self, experiments: &mut Experiments<'_>) -> Option<(f64, f64)> {
         let before = self.value;
         let size = |value: f64| match before == 0.0 {
@@ -90,15 +90,20 @@ impl Variable {
                 (false, true) => before * step,
                 (false, false) => before / step,
             };
+            let values = steps.map(|step| value(step).clamp(self.bounds.0, self.bounds.1));
             let mut fails = before;
-            for step in steps {
-                let mut helps = value(step).clamp(self.bounds.0, self.bounds.1);
+            for (place, mut helps) in values.into_iter().enumerate() {
                 if helps == fails || best.is_some_and(|(least, _)| size(helps) > 4.0 * least) {
                     break;
                 }
                 if !turns(helps) {
                     fails = helps;
                     continue;
+                }
+                // A value that helps by chance of timing has larger changes beyond it that do not.
+                let mut beyond = values[place..].windows(2).filter(|pair| pair[0] != pair[1]);
+                if !beyond.all(|pair| turns(pair[1])) {
+                    break;
                 }
                 for _ in 0..HALVINGS {
                     let middle = rounded((helps + fails) / 2.0, (helps - before).abs());
@@ -120,17 +125,20 @@ impl Variable {
 impl Experiments<'_> {
     /// Among the smallest changes of variables that turn the failure, the one that adds fewest faults in natural crossings, and the smallest one of
     /// these. What was tried is noted.
-    pub fn setting(&mut self, variables: &[Variable], tried: &mut Vec<(String, bool)>) -> Option<TurnedBy> {
+    pub fn setting(&mut self, variables: &[Variable]) -> Option<TurnedBy> {
         let mut found: Vec<(f64, &Variable, f64)> = Vec::new();
         for variable in variables {
             let least = variable.least_change(self);
-            tried.push((format!("other values of `{}`", variable.name), least.is_some()));
+            self.note(format!("other values of `{}`", variable.name), least.is_some());
             found.extend(least.map(|(size, value)| (size, variable, value)));
         }
         found.sort_by(|one, other| one.0.total_cmp(&other.0));
         found.truncate(MAX_COSTED);
         if found.is_empty() {
             return None;
+        }
+        for _ in 0..(1 + found.len() as u32) * NATURAL {
+            self.count()?;
         }
         let seed = self.incident.seed.child("natural");
         let before = natural_traffic(&self.incident.scenario, NATURAL, &seed);

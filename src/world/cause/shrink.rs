@@ -1,10 +1,11 @@
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use super::{FailureKind, Incident, Plan, Rerun, Reruns, Segment};
-use crate::env::{ActionSpec, Cast, PedestrianRole};
+use crate::env::{ActionSpec, Cast, PedestrianRole, Scenario};
 use crate::falsifier::log_likelihood;
 use crate::geometry::wrap_angle;
-use crate::sim::WalkCommand;
+use crate::sim::{ActorId, WalkCommand};
 
 /// A step of a command towards the natural walk: of its heading (rad) and of its speed (m/s).
 const STEP: (f64, f64) = (5.0 * PI / 180.0, 0.1);
@@ -18,13 +19,13 @@ const MIN_GAIN: f64 = 1e-9;
 /// Why shrinking ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Limit {
-    /// No single removal, merge or step towards the natural walk keeps the failure.
+    /// No single removal of an actor or a command, no merge and no step towards the natural walk keeps the failure.
     Minimal,
     /// The budget of runs was used up.
     Budget,
 }
 
-/// A failure with fewer commands, nearer to a natural walk.
+/// A failure with fewer actors and commands, nearer to a natural walk.
 #[derive(Debug, Clone)]
 pub struct Shrunk {
     /// What repeats it.
@@ -32,9 +33,11 @@ pub struct Shrunk {
     /// Its episode.
     pub rerun: Rerun,
     pub kind: FailureKind,
+    /// The roles of the actors that it does not need, in the order in which they were taken away.
+    pub without: Vec<Arc<str>>,
     /// The number of commands before and now. A command that is kept counts once.
     pub counts: [usize; 2],
-    /// The logarithm of the likelihood of the walk among natural ones, before and now: [`log_likelihood`].
+    /// The logarithm of the likelihood of the walks of those that are left among natural ones, before and now: [`log_likelihood`].
     pub log_likelihoods: [f64; 2],
     /// The number of episodes that it took.
     pub runs: u32,
@@ -47,6 +50,12 @@ impl Shrunk {
         libm::exp(self.log_likelihoods[1] - self.log_likelihoods[0])
     }
 
+    /// The actors that it does not need: `, without `van`, `child``; empty if it needs all.
+    pub fn without(&self) -> String {
+        let names: Vec<String> = self.without.iter().map(|name| format!("`{name}`")).collect();
+        if names.is_empty() { String::new() } else { format!(", without {}", names.join(", ")) }
+    }
+
     /// The kind of the shrunk failure and its number of commands: failures in which they are equal are one finding.
     pub fn class(&self) -> (FailureKind, usize) {
         let criterion = self.kind.criterion;
@@ -55,25 +64,27 @@ impl Shrunk {
     }
 }
 
-/// Shrinks a failure: the same kind with the fewest commands, then the likeliest walk. It takes at most this number of runs, and the same ones
-/// every time. `None` if the incident is not a failure when it is repeated.
+/// Shrinks a failure: the same kind without the actors that it does not need, with the fewest commands of the others, then the likeliest walk. It takes at
+/// most this number of runs, and the same ones every time. `None` if the incident is not a failure when it is repeated.
 ///
 /// # Source
 /// Zeller and Hildebrandt, *Simplifying and isolating failure-inducing input*, IEEE TSE 28 (2002); the result is 1-minimal.
 pub fn shrink(incident: &Incident, max_runs: u32) -> Option<Shrunk> {
     let mut reruns = Reruns::new(incident);
-    let rerun = reruns.run(&incident.commands)?;
-    let kind = FailureKind::new(incident.criterion, &rerun.judged(incident.criterion, &incident.scenario))?;
-    let best = Candidate::new(rerun, incident);
-    let before = (best.plan.count(), best.log);
-    let mut search = Search { incident, reruns, kind, best, max_runs };
+    let first = reruns.run(&incident.commands)?;
+    let kind = FailureKind::new(incident.criterion, &first.judged(incident.criterion, &incident.scenario))?;
+    let best = Candidate::new(first.clone(), incident);
+    let before = best.plan.clone();
+    let mut search = Search { incident: incident.clone(), reruns, kind, best, without: Vec::new(), max_runs };
     let limit = search.run();
-    let Search { reruns, best, .. } = search;
+    let Search { incident, reruns, best, without, .. } = search;
+    let log_before = likelihood(&first, &before, &incident);
     Some(Shrunk {
-        incident: Incident { commands: best.rerun.commands.clone(), ..incident.clone() },
+        incident: Incident { commands: best.rerun.commands.clone(), ..incident },
         kind,
-        counts: [before.0, best.plan.count()],
-        log_likelihoods: [before.1, best.log],
+        without,
+        counts: [before.count(), best.plan.count()],
+        log_likelihoods: [log_before, best.log],
         rerun: best.rerun,
         runs: reruns.runs,
         limit,
@@ -89,7 +100,9 @@ struct Candidate {
 
 impl Candidate {
     fn new(rerun: Rerun, incident: &Incident) -> Self {
-        let plan = Plan::new(&rerun.commands, incident.scenario.cast.pedestrians.len());
+        let roles = &incident.scenario.cast.pedestrians;
+        let mut plan = Plan::new(&rerun.commands, roles.len());
+        plan.pedestrians.iter_mut().zip(roles).filter(|(_, role)| role.is_absent).for_each(|(walk, _)| walk.clear());
         let log = likelihood(&rerun, &plan, incident);
         Self { rerun, plan, log }
     }
@@ -97,7 +110,7 @@ impl Candidate {
 
 /// The logarithm of the likelihood of the commands of a plan along an episode.
 fn likelihood(rerun: &Rerun, plan: &Plan, incident: &Incident) -> f64 {
-    let controlled = incident.scenario.cast.controlled();
+    let controlled = incident.scenario.cast.controlled().filter(|(_, role)| !role.is_absent);
     let of = |(number, _): (usize, &PedestrianRole)| {
         let each = plan.pedestrians[number].iter();
         let walk: Vec<_> = each.flat_map(|segment| std::iter::repeat_n(segment.command, segment.decisions)).collect();
@@ -109,20 +122,23 @@ fn likelihood(rerun: &Rerun, plan: &Plan, incident: &Incident) -> f64 {
 /// The budget is used up.
 struct Spent;
 
-struct Search<'a> {
-    incident: &'a Incident,
+struct Search {
+    incident: Incident,
     reruns: Reruns,
     kind: FailureKind,
     best: Candidate,
+    /// That of [`Shrunk`].
+    without: Vec<Arc<str>>,
     max_runs: u32,
 }
 
-impl Search<'_> {
+impl Search {
     fn run(&mut self) -> Limit {
         if self.try_all().is_ok() { Limit::Minimal } else { Limit::Budget }
     }
 
     fn try_all(&mut self) -> Result<(), Spent> {
+        while self.remove_actor()? {}
         for plan in self.straight() {
             if self.attempt(&plan)? {
                 break;
@@ -131,7 +147,7 @@ impl Search<'_> {
         loop {
             self.remove_many()?;
             self.approach()?;
-            if !self.first_of(neighbours)? {
+            if !self.first_of(neighbours)? && !self.remove_actor()? {
                 return Ok(());
             }
         }
@@ -141,7 +157,7 @@ impl Search<'_> {
     fn attempt(&mut self, plan: &Plan) -> Result<bool, Spent> {
         let (count, best) = (plan.count(), self.best.plan.count());
         // A step that makes the walk less likely is no step towards the natural one.
-        let gain = || likelihood(&self.best.rerun, plan, self.incident) - self.best.log;
+        let gain = || likelihood(&self.best.rerun, plan, &self.incident) - self.best.log;
         if count > best || count == best && gain() < MIN_GAIN {
             return Ok(false);
         }
@@ -152,16 +168,46 @@ impl Search<'_> {
         if !self.reruns.fails(&rerun) {
             return Ok(false);
         }
-        let found = Candidate::new(rerun, self.incident);
+        let found = Candidate::new(rerun, &self.incident);
         let count = found.plan.count();
         let is_better = count < best || count == best && found.log - self.best.log >= MIN_GAIN;
-        let judged = || found.rerun.judged(self.kind.criterion, &self.incident.scenario);
-        let is_same = || FailureKind::new(self.kind.criterion, &judged()).is_some_and(|now| self.kind.is_kept_by(&now));
-        let is_taken = is_better && is_same();
+        let is_taken = is_better && self.is_kept(&found.rerun, &self.incident.scenario);
         if is_taken {
             self.best = found;
         }
         Ok(is_taken)
+    }
+
+    /// Whether an episode is a failure of the same kind.
+    fn is_kept(&self, rerun: &Rerun, scenario: &Scenario) -> bool {
+        let now = FailureKind::new(self.kind.criterion, &rerun.judged(self.kind.criterion, scenario));
+        now.is_some_and(|now| self.kind.is_kept_by(&now))
+    }
+
+    /// Takes away the first actor without whom the car still fails, and hits the same pedestrian if it hits one; whether there was one. The others start
+    /// where they did, and carry out the same commands.
+    fn remove_actor(&mut self) -> Result<bool, Spent> {
+        let Incident { scenario, commands, .. } = &self.incident;
+        let there: Vec<ActorId> = scenario.cast.actors().filter(|actor| !scenario.cast.is_absent(*actor)).collect();
+        let struck = |rerun: &Rerun| rerun.trace.contact().and_then(|contact| contact.pedestrian_at_ego());
+        for actor in there.iter().filter(|actor| **actor != ActorId::EGO && there.len() > 2) {
+            if self.reruns.runs >= self.max_runs {
+                return Err(Spent);
+            }
+            let without = Arc::new(Scenario { cast: scenario.cast.without(*actor), ..Scenario::clone(scenario) });
+            let mut reruns = Reruns::with(&self.incident, without.clone());
+            let rerun = reruns.run(commands);
+            self.reruns.runs += 1;
+            let is_same = |rerun: &Rerun| struck(rerun) == struck(&self.best.rerun) && self.is_kept(rerun, &without);
+            let Some(rerun) = rerun.filter(is_same) else { continue };
+            self.without.push(scenario.cast.name(*actor).clone());
+            reruns.runs = self.reruns.runs;
+            self.incident = Incident { scenario: without, commands: rerun.commands.clone(), ..self.incident.clone() };
+            self.best = Candidate::new(rerun, &self.incident);
+            self.reruns = reruns;
+            return Ok(true);
+        }
+        Ok(false)
     }
 
     /// Tries the plans that are made of the best one, until one is better; whether there was one.
@@ -176,7 +222,7 @@ impl Search<'_> {
 
     /// Walks straight to where the episode ended, after having stood for some decisions: those of the most natural speed first.
     fn straight(&self) -> Vec<Plan> {
-        let Incident { scenario, .. } = self.incident;
+        let Incident { scenario, .. } = &self.incident;
         let Candidate { rerun, plan, .. } = &self.best;
         let struck = rerun.trace.contact().and_then(|contact| contact.pedestrian_at_ego()).unwrap_or(0);
         let track = rerun.trace.pedestrian(struck);

@@ -92,6 +92,14 @@ impl Cast {
         cast
     }
 
+    /// Whether an actor is left out.
+    pub fn is_absent(&self, actor: ActorId) -> bool {
+        match actor {
+            ActorId::Vehicle(number) => self.vehicles[usize::from(number)].is_absent,
+            ActorId::Pedestrian(number) => self.pedestrians[usize::from(number)].is_absent,
+        }
+    }
+
     /// The ego and one pedestrian, which is left to the user of the environment.
     pub fn alone(&self, pedestrian: usize) -> Self {
         let role = PedestrianRole { controller: Controller::External, ..self.pedestrians[pedestrian].clone() };

@@ -7,7 +7,7 @@ use super::encounters::{MetAgain, cross};
 use super::{RecheckArgs, STARTS};
 use crate::cli::external_world::external_world;
 use crate::commands::compare::MAX_EXPLAINED;
-use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source, WhichPrograms};
+use crate::session::{EpisodeName, Error, Event, Input, Session, Source, Stage, WhichPrograms};
 use base::seed::Seed;
 use compile::{Campaign, HERE, Misfit, RunId, Staging};
 use process::ProcessOpener;
@@ -16,7 +16,7 @@ use results::parallel;
 use results::report::{
     CrossedStarts, Encounter, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy,
 };
-use world::cause::{Incident, Questions, explain};
+use world::cause::{Incident, Questions, RunLimit, explain};
 use world::env::{Criterion, ExternalWorld, Outcome, Scenario, Trace};
 use world::falsifier::{Goal, crossings, evaluate_crossings, recorded_commands};
 
@@ -129,7 +129,7 @@ fn opened(name: &str) -> Result<Arc<ExternalWorld>, Error> {
 /// Counts the episodes of a stage, and reports each to the observer of a session.
 struct Tally<'a> {
     session: &'a Session,
-    stage: RecheckStage,
+    stage: Stage,
     done: AtomicU64,
     all: u64,
     /// The failures in a row in which a program failed.
@@ -137,8 +137,8 @@ struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    fn new(session: &'a Session, stage: RecheckStage, all: u64) -> Self {
-        session.tell(Event::Rechecked { stage, done: 0, all });
+    fn new(session: &'a Session, stage: Stage, all: u64) -> Self {
+        session.tell(Event::Played { stage, done: 0, all });
         Self { session, stage, done: AtomicU64::new(0), all, errors: 0 }
     }
 
@@ -172,7 +172,7 @@ impl<'a> Tally<'a> {
 
     fn add(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        self.session.tell(Event::Rechecked { stage: self.stage, done, all: self.all });
+        self.session.tell(Event::Played { stage: self.stage, done, all: self.all });
     }
 }
 
@@ -257,7 +257,7 @@ impl Sides {
             }
         }
         let all = found.iter().flat_map(|(_, runs)| runs.values()).map(Vec::len).sum::<usize>();
-        let mut tally = Tally::new(session, RecheckStage::Failures, all as u64);
+        let mut tally = Tally::new(session, Stage::Failures, all as u64);
         for (pair, runs) in found {
             let mut sets = Sets::new();
             tally.errors = 0;
@@ -411,7 +411,7 @@ impl Sides {
         let of_setup = u64::from(starts) * goals.len() as u64;
         let drivers = |pair: &DriverPair| 1 + u64::from(self.is_there(&pair.before));
         let all = setups.iter().map(|(pair, _)| drivers(pair) * of_setup).sum();
-        let tally = Tally::new(session, RecheckStage::Crossings, all);
+        let tally = Tally::new(session, Stage::Crossings, all);
         for (pair, setup) in setups {
             let row = self.cross(pair, setup, &goals, starts, &tally);
             other_start += of_setup - row.encounters.0.len() as u64;
@@ -470,7 +470,7 @@ impl Sides {
             let commands = evaluate_crossings(&[goal], &scenario, start..start + 1, seed, note).pop()??;
             let incident = Incident { scenario, seed, start: start.into(), commands, criterion: Criterion::Collision };
             let name = &encounter.change(row.title())?.sides[1].name;
-            Some(format!("{name}: {}", explain(&incident, Questions::OfCopied)?.sentence()))
+            Some(format!("{name}: {}", explain(&incident, Questions::OfCopied, RunLimit::default())?.sentence()))
         };
         found.iter().take(MAX_EXPLAINED).filter_map(cause).collect()
     }
