@@ -8,3 +8,4 @@ pub mod units;
 pub mod signature;
 pub mod seed;
 pub mod statistics;
+pub mod suggest;

@@ -2,10 +2,11 @@ use std::fmt::Write;
 
 use super::{Catalog, interface_pages, reference};
 use base::signature::Signature;
+use base::suggest::nearest;
 use base::units::{Dimension, UNIT_NAMES, parse_unit};
 use lang::error_index::{Mistake, mistakes};
 use lang::keywords::{WORDS, Word};
-use lang::{DIMENSIONS, functions, library, nearest, temporal_operators};
+use lang::{DIMENSIONS, functions, library, temporal_operators};
 
 /// Something that can be explained, under the words that lead to it.
 struct Page {
@@ -155,10 +156,13 @@ fn dimension(name: &str, dimension: Dimension) -> String {
     format!("`param name: {name} = …`: {dimension} {units}; a range or a distribution may stand for it as well.\n")
 }
 
-/// The declarations of the standard library under a name.
+/// The file of the standard library of this name, and the declarations under it.
 fn in_library(word: &str) -> Vec<String> {
+    let about = |(comment, names): (String, Vec<&str>)| {
+        format!("import \"std/{word}.scn\"\n\n{comment}\n\nIt declares `{}`.\n", names.join("`, `"))
+    };
     let shown = |(file, text): (&str, &str)| format!("import \"std/{file}\"\n\n{}", indented(text.trim_end()));
-    library::statements(word).map(shown).collect()
+    library::about(word).map(about).into_iter().chain(library::statements(word).map(shown)).collect()
 }
 
 /// Adds the pages of the keys of a signature, with the words that they accept, and of its blocks.

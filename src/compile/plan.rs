@@ -156,6 +156,8 @@ pub struct Driver {
     pub kind: &'static str,
     /// Its keys with their values, except `sensors`.
     pub settings: Arguments,
+    /// The keys of it and of its sensors that differ from their defaults, as `margin: 1 m`.
+    pub changed: Vec<String>,
     /// The name of its sensors, if any.
     pub sensors: Option<String>,
     /// The model of its sensors, if any.

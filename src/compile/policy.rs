@@ -6,15 +6,16 @@ use super::lowering::{Lowering, MadeDriver};
 use super::plan::Driver;
 use super::policy_kind::{CommonKeys, FromArguments, PolicyKind};
 use super::{outside, sensors};
-use base::signature::{Arguments, Form, Keys, Signature};
+use base::diagnostic::{Sources, Span};
+use base::signature::{Arguments, Form, Keys, Signature, Type, Value, short};
 use lang::diagnostics;
-use lang::hir::Declaration;
+use lang::hir::{Block, Declaration};
 use ported::behavior_agent::BehaviorAgent;
 use ported::interfuser::InterFuser;
 use ported::lav::Lav;
 use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
-use world::av::sensors::{SensorModel, SensorWrapper};
+use world::av::sensors::{SensorKeys, SensorModel, SensorWrapper};
 use world::av::{
     ActuationDelay, Aeb, CarefulHuman, Cruise, CruiseKeys, Idm, Native, NativeKeys, OracleBrake, Predictive, RssGuarded,
 };
@@ -93,7 +94,12 @@ pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
     let arguments = &declaration.block.arguments;
     let CommonKeys { sensors, .. } = declaration.block.keys();
     let sensors = sensors.map(|sensors| lowering.program.get(sensors));
+    let mut changed = kind.map_or(Vec::new(), |kind| changed(kind, &declaration.block, "", lowering.sources));
+    let of_sensors =
+        sensors.map(|sensors| self::changed(&SensorKeys::signature(), &sensors.block, "sensors.", lowering.sources));
+    changed.extend(of_sensors.into_iter().flatten());
     Driver {
+        changed,
         name: declaration.name.clone(),
         kind: declaration.kind,
         settings: arguments
@@ -105,6 +111,26 @@ pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
         sensors: sensors.map(|sensors| sensors.name.clone()),
         surrogate: kind.map_or("", |kind| kind.surrogate),
     }
+}
+
+/// The keys of a block, and of those inside, that differ from their defaults, except `sensors`.
+fn changed(signature: &Signature, block: &Block, prefix: &str, sources: &Sources) -> Vec<String> {
+    let written = |(key, span): &(&'static str, Span)| {
+        let param = signature.params.iter().find(|param| param.name == *key)?;
+        let text = match (&param.ty, block.arguments.value(key)) {
+            (Type::Quantity { dimension, .. }, Value::Number(number)) => {
+                format!("{} {}", short(*number), driver_parts::unit(Some(*dimension)))
+            }
+            _ => sources.plain_text(*span),
+        };
+        (param.default != Some(text.trim())).then(|| format!("{prefix}{key}: {}", text.trim()))
+    };
+    let own = block.places.iter().filter(|(key, _)| *key != "sensors").filter_map(written);
+    let inside = block.children.iter().flat_map(|child| {
+        let known = signature.children.iter().find(|known| known.name == child.word);
+        known.map_or(Vec::new(), |known| changed(known, child, &format!("{prefix}{}.", child.word), sources))
+    });
+    own.chain(inside).collect()
 }
 
 fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::ast::{Declaration, Entry, Expression, ExpressionKind, File, Name, Property};
-use super::suggest::nearest;
 use super::{Loaded, Matrix};
 use base::diagnostic::{Sources, Span};
 use base::signature::{Form, Signature, Type};
+use base::suggest::nearest;
 
 /// Maximum length of a derived name (bytes) that is made of the keys and values themselves.
 const MAX_PLAIN_NAME: usize = 40;

@@ -29,7 +29,7 @@ mod requirement;
 mod value;
 pub mod diagnostics;
 pub mod hir;
-mod suggest;
+
 pub mod error_index;
 pub mod keywords;
 mod format;
@@ -44,5 +44,4 @@ pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
 pub use requirement::temporal_operators;
 pub use settings::{Matrix, Setting, apply, matrices, settings};
-pub use suggest::nearest;
 pub use value::distributions;

@@ -69,6 +69,14 @@ pub fn statements(name: &str) -> impl Iterator<Item = (&'static str, &'static st
     STATEMENTS.iter().filter(move |each| each.name == name).map(|each| (each.file, each.text))
 }
 
+/// The first comment of the file `std/NAME.scn`, and the names that it declares; `None` without such a file.
+pub fn about(name: &str) -> Option<(String, Vec<&'static str>)> {
+    let (file, text) = FILES.iter().find(|(file, _)| file.strip_suffix(".scn") == Some(name))?;
+    let comment: Vec<&str> = text.lines().map_while(|line| line.strip_prefix("//")).map(str::trim).collect();
+    let names = STATEMENTS.iter().filter(|each| each.file == *file).map(|each| each.name.as_str());
+    Some((comment.join("\n"), names.collect()))
+}
+
 /// The names of its files, as written after `std/` in an import.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(name, _)| *name)

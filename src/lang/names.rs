@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::ast::{File, Import, Name};
 use super::diagnostics;
 use super::hir::ParamId;
-use super::suggest::nearest;
 use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use base::signature::{DeclarationId, Form};
+use base::suggest::nearest;
 
 /// The names a file can see.
 #[derive(Debug, Clone, Default)]

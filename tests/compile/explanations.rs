@@ -124,6 +124,8 @@ fn words_events_and_variables_are_explained_and_the_examples_are_right() {
         assert!(explain(&[variable.name]).contains(variable.doc));
     }
     assert!(explain(&["distance"]).contains("spawn name"), "a key of that name is shown as well");
+    let protocol = explain(&["fmvss127"]);
+    assert!(protocol.contains("49 CFR 571.127") && protocol.contains("`crossing_right`"), "{protocol}");
     assert!(!catalog.forms.iter().any(|form| catalog.vocabulary.events.iter().any(|event| event.name == form.name)));
 }
 

@@ -37,6 +37,9 @@ def fail(world, tick):
     if mode == "null":
         say(json.dumps({"actions": [{"id": world, "brake": None}]}).encode() + b"\n")
         hang()
+    if mode == "huge":
+        say(b'{"actions":[{"id":%d,"brake":1e999}]}\n' % world)
+        hang()
     if mode == "text":
         say(json.dumps({"actions": [{"id": world, "throttle": "0.3"}]}).encode() + b"\n")
         hang()
@@ -69,7 +72,9 @@ if mode == "silent":
     hang()
 if mode == "gone":
     sys.exit()
-answer = {"protocol": "falsify-av/9" if mode == "version" else "falsify-av/1", "name": "test", "novelty": 1}
+answer = {"protocol": "falsify-av/9" if mode == "version" else "falsify-av/1", "name": "test"}
+if mode == "misspelt":
+    answer["revison"] = 2
 if binary:
     answer["encoding"] = "binary"
 if "second" in sys.argv[2:]:

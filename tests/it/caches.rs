@@ -219,7 +219,12 @@ fn a_setting_or_a_variable_names_the_cache() {
     std::fs::write(here.join("falsify.toml"), "cache = \"from the file\"\n").unwrap();
     run(here, &[]);
     assert_eq!(tasks(&here.join("from the file")), 6);
-    assert!(said(&falsify(&["status"], here)).contains("shared: finished"));
+    for place in [&["status"][..], &["status", "reports"], &["status", "reports/shared"]] {
+        assert!(said(&falsify(place, here)).contains("shared: finished"), "{place:?}");
+    }
+    assert!(said(&falsify(&["status", "reports/shared", "--stored"], here)).contains("campaign shared: "));
+    let nowhere = falsify(&["status", "shared.scn"], here);
+    assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("no campaign was run for `shared.scn`"));
     assert!(said(&falsify(&["status", "--stored"], here)).contains("campaign shared: 6 of 6 tasks"));
     let variables = [("FALSIFY_CACHE", "of the variable")];
     let list = said(&falsify_with(&["run", "--list", "shared.scn"], here, &variables));

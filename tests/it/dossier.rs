@@ -10,10 +10,12 @@ import "std/requirements.scn"
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }
 episode short { ticks: 240  hold: 10  end_when: ahead < -6 m }
 falsifier meet = intercept()
+sensors slow { latency: 100 ms  sector { width: 3 rad  range: 0.05 km } }
+policy near = idm(margin: 20 cm, time_headway: 1.5 s, crosswalks: yield, sensors: slow)
 campaign c {
   vehicle: model3  adversary: pursuer  spawn: near  episode: short
   REQUIRED
-  evaluate { towns: [village]  policies: [behavior]  pedestrians: [hunter]  episodes: 60 }
+  evaluate { towns: [village]  policies: [behavior, near]  pedestrians: [hunter]  episodes: 60 }
   search { towns: [harbour]  policies: [behavior]  falsifiers: [meet]  budget: 8_000  runs: 1  episodes: 0 }
 }
 "#;
@@ -40,6 +42,11 @@ fn every_heading_has_figures_or_says_that_it_was_not_done() {
         let has_figures = section.contains("<td");
         assert!(has_figures != section.contains("Not done."), "{}", &section[..200.min(section.len())]);
     }
+    assert!(
+        sections[0].contains("margin: 0.2 m, crosswalks: yield, sensors.latency: 0.1 s, sensors.sector.width: 3 rad, sensors.sector.range: 50 m"),
+        "{}",
+        sections[0]
+    );
     assert!(sections[4].contains("Not done."), "no other simulator ran");
     assert!(
         sections[3].contains("`hunter` against `behavior` in harbour")

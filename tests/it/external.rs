@@ -295,10 +295,14 @@ fn av_check_tells_good_drivers_from_bad_ones() {
         assert_eq!((text.matches(lost).count(), text.matches("FAIL").count()), (failures, failures), "{text}");
         assert!(text.contains("-> {\"type\":\"hello\",\"protocol\":\"falsify-av/1\",\"tick_s\":0.05"), "{text}");
     }
+    let (_, text) = check(&["driver.py", "misspelt"]);
+    let said = "its greeting has a key `revison`, which is unknown and ignored; did you mean `revision`?";
+    assert_eq!(text.matches(said).count(), 1, "{text}");
     for (mode, what) in [
         ("version", "it greeted wrongly: another protocol"),
         ("crash", "it ended before it answered with exit code 3"),
         ("null", "it gave a wrong answer: `brake` is null; give a number"),
+        ("huge", "it gave a wrong answer: `brake` is 1e999, and the largest number is about 1.8e308"),
         ("marked", "it greeted wrongly: it begins with a byte order mark: write UTF-8 without one"),
         ("lazy", "it gave a wrong answer: not one action"),
         ("random", "when the same seeds come again"),

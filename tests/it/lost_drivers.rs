@@ -158,3 +158,36 @@ campaign lost {
         assert!(warning.contains("make the road longer"), "{warning}");
     });
 }
+
+#[test]
+fn drivers_slow_down_for_a_corner_in_a_junction_but_for_the_two_that_the_explanation_of_fast_bend_names() {
+    let town = |limit: &str| -> String {
+        let ways = ["(-400 m, 0 m), (0 m, 0 m), (0 m, 400 m)", "(0 m, -400 m), (0 m, 0 m)", "(0 m, 0 m), (400 m, 0 m)"];
+        let street = |(name, way)| format!("street {name} {{ through: [{way}]  speed_limit: {limit} km/h }}\n");
+        ["a", "b", "c"].into_iter().zip(ways).map(street).collect()
+    };
+    let drivers = [
+        ("agent", "behavior_agent()"),
+        ("lav", "lav()"),
+        ("idm", "idm()"),
+        ("guard", "rss_guarded()"),
+        ("blind", "cruise()"),
+    ];
+    for (limit, lost) in [("30", &[][..]), ("50", &["p_agent", "p_lav"])] {
+        let policies: String = drivers.iter().map(|(name, kind)| format!("policy p_{name} = {kind}\n")).collect();
+        let text = format!(
+            "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\n{policies}town corner {{\n{}}}\n\
+             spawn near {{ ego_lane {{ from: (-60 m, -1.75 m, 0 deg)  length: 5 m }}\n  bearing: -60 deg .. 60 deg  distance: 25 m .. 60 m }}\n\
+             episode e {{ hold: 10  ticks: 300 }}\ncampaign c {{\n  vehicle: model3  adversary: plausible  spawn: near  episode: e\n\
+             evaluate {{ towns: [corner]  policies: [p_agent, p_lav, p_idm, p_guard, p_blind]  pedestrians: [random]  episodes: 20 }}\n}}\n",
+            town(limit)
+        );
+        run_text(text, |report, _| {
+            let rates = columns(report, "metrics.csv", ["policy", "metric", "value"]);
+            for [policy, _, rate] in rates.iter().filter(|[_, metric, _]| metric == "left_road_rate") {
+                let is_lost = rate.parse::<f64>().unwrap() > 0.1;
+                assert_eq!(is_lost, lost.contains(&policy.as_str()), "{policy} at {limit} km/h: {rate}");
+            }
+        });
+    }
+}

@@ -72,7 +72,7 @@ fn the_same_driver_has_nothing_new_and_nothing_fixed() {
     assert!(sum(rows(&same, "crossings"), "faults_same") > 0, "the list finds faults: {same}");
     let failures = rows(&same, "failures");
     for row in failures {
-        assert_eq!((&row["gone"], &row["turned_faults"]), (&0.into(), &0.into()), "{row}");
+        assert_eq!((&row["gone"], &row["turned_faults"], &row["not_met"]), (&0.into(), &0.into(), &0.into()), "{row}");
         assert_eq!(row["still_faults"], row["old_faults"], "{row}");
         assert_eq!(row["still_collisions"], row["failures"], "{row}");
     }
@@ -128,6 +128,32 @@ fn a_worse_driver_has_more_faults() {
     {
         assert!(text.contains(part), "{part}: {text}");
     }
+}
+
+#[test]
+fn a_pedestrian_whom_a_slower_driver_does_not_meet_says_nothing_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here);
+    let slower = ["--set", "mine.limit_share=0.4", "--driver", "mine", "--starts", "0"];
+    let found = recheck(here, &slower);
+    let failures = rows(&found, "failures");
+    let by = |who: &str| failures.iter().filter(|row| row["walked_by"] == who).cloned().collect::<Vec<_>>();
+    assert!(sum(&by("commands"), "not_met") > 0 && sum(&by("commands"), "gone") > 0, "{failures:?}");
+    let parts = ["still_collisions", "gone", "not_met"];
+    assert_eq!(sum(failures, "failures"), parts.iter().map(|part| sum(failures, part)).sum::<u64>(), "{failures:?}");
+    let words = found["failure_changes"].to_string();
+    assert_eq!(words.matches("not met").count() > 0, sum(failures, "not_met") > 0, "{words}");
+    let blind = SCENARIO
+        .replace("policy other", "policy unseeing = cruise()\npolicy other")
+        .replace("[mine, other]", "[unseeing]");
+    std::fs::write(here.join("blind.scn"), blind).unwrap();
+    let unseeing = recheck(here, &["blind.scn", "--driver", "mine=unseeing", "--starts", "0"]);
+    assert_eq!(sum(rows(&unseeing, "failures"), "gone"), 0, "it sees nobody: {unseeing}");
+    let shown =
+        falsify(&[&["recheck", "reports/versions", "--fail-if", "still_faults > 1000"], &slower[..]].concat(), here);
+    assert_eq!(shown.status.code(), Some(0), "{shown:?}");
+    assert!(error(&shown).contains("the new driver did not meet "), "{}", error(&shown));
 }
 
 #[test]

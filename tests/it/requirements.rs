@@ -307,6 +307,20 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         .map(|line| line.split(',').nth(12).unwrap().parse::<f64>().unwrap())
         .sum();
     assert_eq!(violations as usize, evaluated.len());
+    let head: Vec<&str> = metrics.lines().next().unwrap().split(',').collect();
+    let of = |metric: &str, column: &str| -> Vec<f64> {
+        let place = head.iter().position(|name| *name == column).unwrap();
+        let rows = metrics.lines().filter(|line| line.contains(&format!(",{metric},")));
+        rows.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
+    };
+    let applied = of("applied(slow_pass)", "value");
+    assert!(applied.iter().any(|applied| *applied < 30.0), "it says nothing of all episodes: {applied:?}");
+    assert_eq!(of("violation_rate(slow_pass)", "n"), applied);
+    for ((rate, violations), applied) in
+        of("violation_rate(slow_pass)", "value").iter().zip(of("violations(slow_pass)", "value")).zip(applied)
+    {
+        assert!((rate - violations / applied).abs() < 1e-12, "{rate}");
+    }
     assert_eq!(metrics.matches("violation_rate(sees),").count(), 2);
     let faults: f64 = metrics
         .lines()
@@ -642,4 +656,26 @@ fn repeated_starts_are_no_sample_and_draws_count() {
     assert_eq!(fixed[0], ["blind", "1", ""], "one start, one end");
     assert_eq!(fixed[1], ["noisy", "50", ""], "one start, each time other noise");
     assert_eq!(rows("cases"), [["blind", "18", ""]], "the cases of the test, ten times each");
+}
+
+#[test]
+fn a_protocol_is_gated_by_its_score_and_is_no_sample_of_injuries() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
+                campaign ncap {\n  vehicle: model3  adversary: adult_target  spawn: cpna  episode: protocol_test\n\
+                evaluate { towns: [test_track]  policies: [aeb, blind]  pedestrians: [scripted]  episodes: 18 }\n}\n";
+    std::fs::write(folder.path().join("c.scn"), text).unwrap();
+    for (gate, code, said) in [
+        ("score < 0.9 and policy == aeb", 0, "passes, false in 1 row"),
+        ("passed < 1 and policy == aeb", 0, "passes, false in 1 row"),
+        ("score < 0.9", 7, "score is 0 in ncap"),
+        ("passed < 1", 7, "passed is 0 in ncap"),
+    ] {
+        let output = crate::program::falsify(&["run", "c.scn", "--fail-if", gate], folder.path());
+        assert_eq!(output.status.code(), Some(code), "{gate}: {output:?}");
+        assert!(crate::program::error(&output).contains(said), "{gate}: {output:?}");
+        assert!(!String::from_utf8_lossy(&output.stdout).contains("1,000"), "{output:?}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("reports/ncap/report.html")).unwrap();
+    assert!(!page.contains("in 1,000 episodes") && !page.contains("/ 1,000"), "no six cases are a thousand episodes");
 }

@@ -1,7 +1,7 @@
 //! Gates: which cells they choose, how they judge them, and what is refused.
 
 use polars::prelude::{DataFrame, df};
-use results::report::{Gate, GateError, Judged, comparison_reference};
+use results::report::{Gate, GateError, Judged, comparison_reference, rechecked_table};
 
 #[test]
 fn a_column_of_searches_alone_makes_a_gate_about_searches() {
@@ -33,6 +33,10 @@ fn judged(text: &str) -> String {
 
 /// How a gate judges each cell, as letters.
 fn letters(cells: &DataFrame, text: &str) -> String {
+    of_gate(cells, &gate(text))
+}
+
+fn of_gate(cells: &DataFrame, gate: &Gate) -> String {
     let letter = |judged: &Judged| match judged {
         Judged::Passed => 'p',
         Judged::Broken(_) => 'b',
@@ -44,9 +48,12 @@ fn letters(cells: &DataFrame, text: &str) -> String {
         Judged::Thin(_) => 't',
         Judged::TooFewStarts(_) => 's',
         Judged::TooFewSearched(_) => 'S',
+        Judged::NotTested(_) => 'N',
+        Judged::NotMet { all: true, .. } => 'A',
+        Judged::NotMet { .. } => 'u',
         Judged::Elsewhere => 'e',
     };
-    gate(text).judge(cells).iter().map(letter).collect()
+    gate.judge(cells).iter().map(letter).collect()
 }
 
 /// A gate on cells, searches or a comparison.
@@ -280,4 +287,43 @@ fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
         assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
     }
     assert!(Gate::parse("max over controllers preventable_rate_student_low > 0.05 and learnt == yes").is_ok());
+}
+
+#[test]
+fn old_failures_that_were_not_met_pass_no_gate() {
+    let gate = Gate::of_table("still_faults > 0", &rechecked_table().reference()).unwrap();
+    let judged = |still_faults: [u64; 2], not_met: [u64; 2]| {
+        let all = [4_u64; 2];
+        of_gate(&df!("failures" => all, "still_faults" => still_faults, "not_met" => not_met).unwrap(), &gate)
+    };
+    assert_eq!(judged([0, 0], [0, 0]), "pp");
+    assert_eq!(judged([0, 0], [1, 0]), "up", "a warning");
+    assert_eq!(judged([0, 0], [4, 0]), "up", "the other row was met");
+    assert_eq!(judged([1, 0], [3, 4]), "bu");
+    assert_eq!(judged([0, 0], [4, 4]), "AA", "nothing is known of any");
+}
+
+#[test]
+fn a_test_with_a_case_that_was_not_run_has_no_score() {
+    let score = [Some(0.9), Some(0.5), None];
+    let cells = df!("score" => score, "passed" => [1.0, 0.75, 1.0], "not_tested" => [0.0, 0.0, 2.0]).unwrap();
+    assert_eq!(letters(&cells, "score < 0.8"), "pbN");
+    assert_eq!(letters(&cells, "passed < 1"), "pbN");
+    assert_eq!(letters(&cells, "not_tested > 0"), "ppb");
+    assert!(matches!(Gate::parse("passed < 5"), Err(GateError::Kind { .. })), "it is a share");
+}
+
+#[test]
+fn a_rate_of_a_requirement_is_of_the_episodes_in_which_it_applied() {
+    let rates = [Some(0.0), Some(0.0), None];
+    let cells = df!(
+        "episodes" => [60_u32; 3],
+        "applied(slow)" => [40.0, 5.0, 0.0],
+        "violation_rate(slow)" => rates
+    );
+    let cells = cells.unwrap();
+    assert_eq!(letters(&cells, "violation_rate(slow) > 0.05"), "ptm", "5 of 60 show no rate of 0.05");
+    let reason = gate("violation_rate(slow) > 0.05").judge(&cells)[2].reason(" in c").unwrap();
+    assert_eq!(reason, "there is no violation_rate(slow), since it never applied in c");
+    assert_eq!(letters(&cells, "applied(slow) < 10"), "pbb");
 }

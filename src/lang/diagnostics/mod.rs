@@ -12,8 +12,8 @@ pub use text::*;
 pub use values::*;
 pub use worlds::*;
 
-use super::suggest::nearest;
 use base::diagnostic::{Diagnostic, Span};
+use base::suggest::nearest;
 
 /// Maximum number of words of a list that are shown; a hostile file may have any number.
 const MAX_SHOWN: usize = 40;

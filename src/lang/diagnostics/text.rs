@@ -2,9 +2,9 @@
 
 use std::io::ErrorKind;
 
-use super::super::suggest::nearest;
 use super::super::{library, reason};
 use base::diagnostic::{Diagnostic, Span};
+use base::suggest::nearest;
 
 /// A statement has no shape the grammar knows.
 pub fn syntax(span: Span, text: String) -> Diagnostic {

@@ -15,7 +15,8 @@ use super::console;
 use crate::commands::RunArgs;
 use crate::exit_code::ExitCode;
 use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use lang::{nearest, reason};
+use base::suggest::nearest;
+use lang::reason;
 
 /// The name of the file.
 pub const FILE: &str = "falsify.toml";

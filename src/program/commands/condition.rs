@@ -61,6 +61,7 @@ pub fn judge(conditions: &[Condition], [first, second]: [Subject<'_>; 2], whole:
     for Condition { gate, second: is_second } in conditions {
         let subject = if *is_second { &second } else { &first };
         if subject.is_idle {
+            console::note(&format!("--fail-if {}: says nothing, there are no {}", gate.text(), subject.things));
             continue;
         }
         let judged = (subject.judge)(gate);
@@ -87,9 +88,17 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
         }
     }
     let fails = judged.iter().any(Judged::fails);
-    let rows = judged.iter().filter(|judged| matches!(judged, Judged::Passed | Judged::Thin(_))).count();
-    if !fails && rows > 0 {
-        console::note(&format!("--fail-if {}: passes, {} judged", gate.text(), console::count(rows, "row")));
+    let rows = judged.iter().filter(|judged| **judged != Judged::Elsewhere).count();
+    let passed = judged.iter().filter(|judged| matches!(judged, Judged::Passed | Judged::Thin(_))).count();
+    let others = if rows > passed { format!(", and {} not judged", rows - passed) } else { String::new() };
+    match passed {
+        _ if fails || rows == 0 => {}
+        0 => console::warn(&format!("--fail-if {}: says nothing, no row has a value", gate.text())),
+        _ => console::note(&format!(
+            "--fail-if {}: passes, false in {}{others}",
+            gate.text(),
+            console::count(passed, "row")
+        )),
     }
     fails
 }

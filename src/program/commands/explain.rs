@@ -77,7 +77,17 @@ mod tests {
 
     #[test]
     fn words_columns_and_metrics_of_results_are_explained() {
-        for word in ["fault", "Preventable", "machine_preventable", "verdict", "driver", "avoidable injury"] {
+        for word in [
+            "fault",
+            "Preventable",
+            "machine_preventable",
+            "verdict",
+            "driver",
+            "avoidable injury",
+            "gate",
+            "score",
+            "cc_attentive",
+        ] {
             assert!(meaning(word).is_some(), "{word}");
         }
         assert_eq!(meaning("nothing"), None);

@@ -27,6 +27,7 @@ const MAX_SHOWN: usize = 8;
 pub const EXAMPLES: &str = "\
 Examples:
   falsify status                             the campaigns of reports/
+  falsify status reports/my                  one of them
   falsify status --format json --out shared  one JSON object for each campaign, for programs
   falsify status --stored                    what is stored in reports/.falsify, by campaign
   falsify status --prune                     remove what no campaign needed in its last run
@@ -38,6 +39,9 @@ Exit codes: 0 finished or running   2 nothing was run there   9 something is mis
 /// Options of `falsify status`.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
+    /// The folder for the reports, or one of its reports, instead of `--out`.
+    #[arg(value_name = "DIR")]
+    pub folder: Option<PathBuf>,
     /// The folder for the reports, or one of its reports.
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
@@ -56,6 +60,24 @@ pub struct StatusArgs {
     /// Also remove tasks of folders for reports that do not exist, or cannot be seen from here.
     #[arg(long, requires = "prune")]
     pub gone: bool,
+}
+
+impl StatusArgs {
+    /// The folder for the reports as it was given, or one of its reports.
+    fn given(&self) -> &Path {
+        self.folder.as_deref().unwrap_or(&self.out)
+    }
+
+    /// The folder for the reports, and the name of the report in it that was given.
+    fn place(&self) -> (PathBuf, Option<String>) {
+        let given = self.given();
+        let report = StoredReport::open(given).ok().and_then(|_| given.canonicalize().ok());
+        let place = |report: &Path| Some((report.parent()?.to_owned(), report.file_name()?.to_string_lossy().into()));
+        match report.as_deref().and_then(place) {
+            Some((out, name)) => (out, Some(name)),
+            None => (given.to_owned(), None),
+        }
+    }
 }
 
 /// The progress of a campaign; its JSON is one object for each campaign.
@@ -142,17 +164,12 @@ pub fn status(options: &StatusArgs) -> Ended {
 /// # Errors
 /// A cache folder with other contents, and a folder in which nothing was run.
 fn campaigns(session: &Session, options: &StatusArgs) -> Result<Vec<CampaignProgress>, Error> {
-    // A report shows its own campaign.
-    let of_report = StoredReport::open(&options.out).ok().and_then(|_| options.out.canonicalize().ok());
-    let (out, name) = match of_report.as_ref().and_then(|report| Some((report.parent()?, report.file_name()?))) {
-        Some((out, name)) => (out, Some(name.to_string_lossy())),
-        None => (options.out.as_path(), None),
-    };
-    let store = Store::look(out, options.cache.as_deref(), session.note())?;
+    let (out, name) = options.place();
+    let store = Store::look(&out, options.cache.as_deref(), session.note())?;
     let mut campaigns = store.campaigns();
     campaigns.retain(|campaign| name.as_ref().is_none_or(|name| campaign == name));
     if campaigns.is_empty() {
-        let out = options.out.display();
+        let out = options.given().display();
         return Err(Error::Usage(match &options.cache {
             Some(cache) => format!("no campaign was run for `{out}` with the cache `{}`", cache.display()),
             None => {

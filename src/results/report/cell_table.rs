@@ -1,10 +1,10 @@
 //! What gates know of a cell: its metrics, the evidence on them, and its violations.
 
-use super::aggregate::{Cell, CellRequirement, GATED, Rate};
+use super::aggregate::{Cell, CellRequirement, GATED, ProtocolCell, Rate, passed_share, score};
 use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, LEARNT, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::record::metric::{IMPACT_SPEED, MEAN, RUNS};
-use crate::record::{Column, ColumnReference, Entry, Metric, Role, Table, cell_key, metrics};
+use crate::record::{CellKey, Column, ColumnReference, Entry, Metric, Role, Table, cell_key, metrics};
 use base::statistics::wilson;
 use world::judge::Reference;
 
@@ -15,7 +15,22 @@ pub struct KnownCell<'a> {
     pub evidence: &'a CellEvidence,
     /// The violations in all cells.
     pub requirements: &'a [CellRequirement],
+    /// The results in the tests of a protocol, of all cells.
+    pub tests: &'a [(CellKey, Vec<ProtocolCell>)],
 }
+
+impl KnownCell<'_> {
+    /// The results in its test; none if it is of no protocol.
+    fn test(&self) -> &[ProtocolCell] {
+        self.tests.iter().find(|(key, _)| *key == self.cell.key).map_or(&[], |(_, cells)| cells)
+    }
+}
+
+/// The columns of a cell's test: the mean of its colours' shares of the points, the share of its cases that are passed, and the number of cases without a
+/// result at the test speed.
+pub const SCORE: &str = "score";
+pub const PASSED: &str = "passed";
+pub const NOT_TESTED: &str = "not_tested";
 
 /// The columns that gates may name, with the rates of these requirements.
 pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
@@ -59,6 +74,18 @@ pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
     table = table
         .column(LEARNT.of(move |row: &Row<'a>| learning(row).map(|learning| learning.learnt().name())))
         .column(Column::<String>::new(TRAININGS_DISAGREE.name, "", "").of(disagree));
+    let not_tested = |row: &Row<'a>| row.test().iter().filter(|cell| !cell.is_tested()).count();
+    table = table.column(share(SCORE, |row| score(row.test().iter())));
+    table = table.column(share(PASSED, |row| passed_share(row.test())));
+    table = table.column(number(NOT_TESTED.into(), move |row| Some(not_tested(row) as f64)));
+    for name in requirements {
+        let named = String::from(*name);
+        let applied = move |row: &Row<'a>| {
+            let mut own = row.requirements.iter().filter(|each| each.key == row.cell.key);
+            Some(own.find(|each| each.name == named)?.sums(CellRequirement::ALL).1.into())
+        };
+        table = table.column(number(applied_to(name), applied));
+    }
     for (requirement, (word, counted, needs_verdict)) in
         requirements.iter().flat_map(|name| GATED.map(|gated| (String::from(*name), gated)))
     {
@@ -75,6 +102,11 @@ pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
                 .columns(interval(&name, "wilson", move |row| ends(row)?.interval));
     }
     table
+}
+
+/// The column of the number of episodes in which a requirement applied.
+pub fn applied_to(requirement: &str) -> String {
+    format!("applied({requirement})")
 }
 
 fn number<'a>(name: String, value: impl Fn(&KnownCell<'a>) -> Option<f64> + 'a) -> Entry<'a, KnownCell<'a>> {

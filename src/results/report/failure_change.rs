@@ -22,6 +22,9 @@ pub struct SideEnd {
     pub name: String,
     /// Its collision, if it ends in one.
     pub collision: Option<SideCollision>,
+    /// Whether the pedestrian would miss the driver even if that saw nobody.
+    #[serde(skip)]
+    pub is_missed: bool,
 }
 
 /// A collision of one driver.
@@ -53,19 +56,21 @@ impl From<&Failure> for SideCollision {
 impl SideEnd {
     /// The end of an episode in a report.
     pub fn of_report(name: String, failure: Option<&Failure>) -> Self {
-        Self { name, collision: failure.map(SideCollision::from) }
+        Self { name, collision: failure.map(SideCollision::from), is_missed: false }
     }
 }
 
 impl FailureChange {
     /// The words of changes: those that count against the second driver first.
     ///
-    /// `new` and `fixed` are collisions of one driver. `worse` and `better` are collisions of both that are a fault of one.
-    pub const WORDS: [&'static str; 5] = ["new", "worse", "fixed", "better", "same"];
+    /// `new` and `fixed` are collisions of one driver, and so is `not met`, of which nothing is known with the other. `worse` and `better` are collisions of
+    /// both that are a fault of one.
+    pub const WORDS: [&'static str; 6] = ["new", "worse", "fixed", "better", "not met", "same"];
 
     /// One of [`FailureChange::WORDS`].
     pub fn word(&self) -> &'static str {
         match self.sides.each_ref().map(|side| side.collision.as_ref()) {
+            [Some(_), None] if self.sides[1].is_missed => "not met",
             [Some(_), None] => "fixed",
             [None, Some(_)] => "new",
             [Some(before), Some(after)] if after.fault && !before.fault => "worse",

@@ -47,13 +47,19 @@ impl<'a> Findings<'a> {
         let keys = evidence.iter().map(|found| &found.key);
         assert!(cells.iter().map(|cell| &cell.key).eq(keys), "a bug: cells and their evidence are in one order");
         let searches = search_cells(finished.all::<SearchResult>());
-        let drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>());
+        let layers = layer_cells(campaign, finished.all::<SearchResult>());
+        let mut drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>());
+        if !layers.is_empty() {
+            // The cases of a test are no sample of episodes.
+            let searched = drivers.iter_mut().filter_map(|result| result.searched.as_mut());
+            searched.for_each(|found| found.injury_per_thousand = None);
+        }
         let mut found = Self {
             distinct: Vec::new(),
             cast_failures: Vec::new(),
             drivers,
             published: beside(&campaign.published, &cells, evidence),
-            layers: layer_cells(campaign, finished.all::<SearchResult>()),
+            layers,
             cautions: cautions(&cells, finished.all::<SearchResult>(), &searches),
             search_comparisons: search_comparisons(finished.all::<SearchResult>()),
             searches,

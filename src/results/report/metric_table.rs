@@ -2,6 +2,7 @@ use polars::prelude::DataFrame;
 
 use super::Findings;
 use super::aggregate::{Cell, CellRequirement, Counted, Measured, SearchCell, search_cell_table};
+use super::cell_table::applied_to;
 use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, reference_rates};
 use crate::record::metric::{MEAN, RUNS};
 use crate::record::{
@@ -132,17 +133,15 @@ fn wilson_of(interval: Option<(f64, f64)>) -> &'static str {
 
 /// Adds the rows of a requirement.
 fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Row<'a>>) {
-    let (applied, all) = found.sums(CellRequirement::APPLIED);
-    let of = u64::from(all);
-    rows.push(Row::new(&cell.key, applied_metric(&found.name), of, Some(f64::from(applied))));
+    let applied = found.sums(CellRequirement::ALL).1;
+    rows.push(Row::new(&cell.key, applied_metric(&found.name), found.episodes().into(), Some(f64::from(applied))));
     for (words, counted, needs_verdict) in OF_VIOLATIONS {
         if needs_verdict && !found.is_judged() {
             continue;
         }
         let [count, rate] = violation_metrics(words, &found.name);
-        let ((part, all), rate_of_runs) = (found.sums(counted), found.rate(counted));
-        let part = found.applied().then_some(f64::from(part));
-        let row = Row::new(&cell.key, count, u64::from(all), part);
+        let ((part, applied), rate_of_runs) = (found.sums(counted), found.rate(counted));
+        let row = Row::new(&cell.key, count, applied.into(), (applied > 0).then_some(f64::from(part)));
         rows.push(row.clone());
         rows.push(Row {
             metric: rate,
@@ -166,7 +165,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
                 "violations",
                 "number of episodes that violate that requirement of the campaign; missing if it never applied",
             ),
-            ("violation_rate", "their share of all *episodes*"),
+            ("violation_rate", "their share of *applied*"),
         ],
         CellRequirement::ALL,
         false,
@@ -174,7 +173,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
     (
         [
             ("preventable_violations", "number of these that both careful humans avoid"),
-            ("preventable_rate", "their share of all *episodes*"),
+            ("preventable_rate", "their share of *applied*"),
         ],
         CellRequirement::PREVENTABLE,
         true,
@@ -182,7 +181,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
     (
         [
             ("fault_violations", "number of these that count against the driver"),
-            ("fault_rate", "their share of all *episodes*"),
+            ("fault_rate", "their share of *applied*"),
         ],
         CellRequirement::FAULTS,
         true,
@@ -192,7 +191,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
 /// The number of episodes in which a requirement applied.
 fn applied_metric(requirement: &str) -> ColumnReference {
     let doc = "number of episodes in which what stands before an `implies` of that requirement held; 0: nothing is known of its violations";
-    let name = format!("applied({requirement})");
+    let name = applied_to(requirement);
     ColumnReference {
         name: name.clone().into(),
         doc: doc.into(),

@@ -87,11 +87,11 @@ pub(crate) type Table = polars::prelude::DataFrame;
 
 // What the modules here share.
 pub(crate) use aggregate::{
-    CellRequirement, ProtocolCell, PublishedComparison, SearchComparison, SearchFailures, layer_cells,
+    CellRequirement, ProtocolCell, PublishedComparison, SearchComparison, SearchFailures, layer_cells, score,
     search_comparisons,
 };
 pub(crate) use infer::{CellEvidence, Comparison, Evidence, Gathering, Test};
-pub(crate) use recheck::StartFaults;
+pub(crate) use recheck::{NOT_MET, StartFaults, is_gone, is_not_met};
 pub(crate) use render::{search_section, svg, table, town_map};
 pub(crate) use replayed::PlayedFailure;
 pub(crate) use table_stream::TableStream;

@@ -54,6 +54,32 @@ pub enum Fault {
         /// The type that is needed.
         wanted: &'static str,
     },
+    /// A number in a message of it is beyond the range of `f64`.
+    #[error("{}: `{key}` is {number}, and the largest number is about 1.8e308", if *greeting { "greeted wrongly" } else { "gave a wrong answer" })]
+    TooLarge {
+        /// Whether the message is its greeting.
+        greeting: bool,
+        key: Word,
+        number: Word,
+    },
+}
+
+/// The beginning of a word of a program, 24 bytes at most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Word([u8; 24]);
+
+impl Word {
+    /// The beginning of a word; bytes that are no printable ASCII become `?`.
+    pub fn new(word: &[u8]) -> Self {
+        let byte = |place: usize| word.get(place).map_or(0, |byte| if byte.is_ascii_graphic() { *byte } else { b'?' });
+        Self(std::array::from_fn(byte))
+    }
+}
+
+impl std::fmt::Display for Word {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(String::from_utf8_lossy(&self.0).trim_end_matches('\0'))
+    }
 }
 
 /// How a program ended.

@@ -22,9 +22,9 @@ keys! {
         acceleration: f64 as positive(ACCELERATION) = "1.5 m/s^2",
         /// Deceleration that it likes.
         comfortable_braking: f64 as positive(ACCELERATION) = "2 m/s^2",
-        /// Its hardest braking in normal driving, and the deceleration that its emergency brake counts on: less makes
-        /// it brake earlier.
-        hardest_braking: f64 as positive(ACCELERATION) = "8 m/s^2",
+        /// Maximum deceleration of the model, from which its emergency brake computes the stopping distance, too. That brakes fully: less
+        /// makes it brake earlier, not more gently.
+        max_deceleration: f64 as positive(ACCELERATION) = "8 m/s^2",
         /// Reaction time that its emergency brake allows for, though it has none: a longer one makes it brake
         /// earlier. `actuation_delay` is a true delay.
         reaction_allowance: f64 as non_negative(TIME) = "0.2 s",
@@ -48,7 +48,7 @@ keys! {
 ///
 /// # Source
 /// Treiber, Hennecke, Helbing, *Congested traffic states in empirical observations and microscopic simulations*, Phys.
-/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `hardest_braking`.
+/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `max_deceleration`.
 #[derive(Debug, Clone)]
 pub struct Idm {
     keys: IdmKeys,
@@ -204,7 +204,7 @@ impl DrivingPolicy for Idm {
         let leader = self.leader(perception);
         let steer = lane_keeping::steer(&self.path, perception);
         if let Some(leader) = leader.filter(|leader| leader.kind == LeaderKind::RoadUser) {
-            let stopping = (speed * speed - leader.speed * leader.speed).max(0.0) / (2.0 * self.keys.hardest_braking);
+            let stopping = (speed * speed - leader.speed * leader.speed).max(0.0) / (2.0 * self.keys.max_deceleration);
             if speed > 0.1 && leader.gap <= stopping + speed * self.keys.reaction_allowance + 0.3 {
                 self.mode = DrivingMode::EmergencyStop;
                 return Control { throttle: 0.0, brake: 1.0, steer };
@@ -228,7 +228,7 @@ impl DrivingPolicy for Idm {
             _ if wanted < limit - 0.1 => DrivingMode::Turn,
             _ => DrivingMode::Cruise,
         };
-        let pedals = perception.blueprint.pedals_for(acceleration.max(-self.keys.hardest_braking), speed);
+        let pedals = perception.blueprint.pedals_for(acceleration.max(-self.keys.max_deceleration), speed);
         // The car is at rest and should not move: hold it.
         let brake = if speed < 0.05 && (acceleration <= 0.0 || wanted < 0.1) { 1.0 } else { pedals.brake };
         Control { throttle: pedals.throttle, brake, steer }

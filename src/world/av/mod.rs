@@ -37,7 +37,7 @@ pub use careful_human::CarefulHuman;
 pub use cruise::{Cruise, CruiseKeys};
 pub use driving_policy::{DrivingMode, DrivingPolicy};
 pub use emergency_brake::BrakeKeys;
-pub use fault::{Exit, Fault};
+pub use fault::{Exit, Fault, Word};
 pub use idm::Idm;
 pub use lane_keeping::cruising_speed;
 pub use native::{Native, NativeKeys};

@@ -15,7 +15,7 @@ keys! {
         /// Distance that it keeps to where it expects others (assumed).
         margin: f64 as non_negative(LENGTH) = "0.7 m",
         /// Deceleration when nothing milder is free (assumed).
-        hardest_braking: f64 as positive(ACCELERATION) = "8 m/s^2",
+        max_deceleration: f64 as positive(ACCELERATION) = "8 m/s^2",
         ..at_crosswalks: CrosswalkKeys,
     }
 }
@@ -36,7 +36,7 @@ pub struct Predictive {
 
 /// Steps of a forecast (s).
 const STEP: f64 = 0.1;
-/// Accelerations to choose from (m/s²), the greatest first; after the last there is only the hardest braking.
+/// Accelerations to choose from (m/s²), the greatest first; after the last there is only the maximum deceleration.
 const LADDER: [f64; 9] = [1.5, 0.75, 0.0, -0.75, -1.5, -2.5, -3.5, -4.5, -6.0];
 
 impl Predictive {
@@ -95,7 +95,7 @@ impl LaneGuard for Predictive {
         let milder = LADDER.into_iter().filter(|acceleration| *acceleration < intent.acceleration);
         let mut plans = std::iter::once(intent.acceleration).chain(milder);
         let free = plans.find(|acceleration| !self.meets((trace, perception), *acceleration, intent.wanted));
-        let chosen = free.unwrap_or(-self.keys.hardest_braking).max(-self.keys.hardest_braking);
+        let chosen = free.unwrap_or(-self.keys.max_deceleration).max(-self.keys.max_deceleration);
         let mode = match chosen {
             chosen if chosen >= intent.acceleration => intent.mode,
             chosen if chosen > -4.0 => DrivingMode::Yield,

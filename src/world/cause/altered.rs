@@ -73,6 +73,15 @@ pub(super) struct Story {
     dt: f64,
 }
 
+/// A scenario whose driver under test sees no pedestrian.
+pub fn unseeing(scenario: &Scenario) -> Arc<Scenario> {
+    let (mut scenario, nothing) = (scenario.clone(), Obstacles::new(&[]));
+    let story = Arc::new(Story { walks: Vec::new(), struck: 0, nothing, dt: scenario.episode.tick });
+    let make = scenario.cast.ego().policy.clone();
+    scenario.cast.vehicles[0].policy = Arc::new(move || story.alter(make(), Change::Unseen));
+    Arc::new(scenario)
+}
+
 impl Story {
     pub fn new(trace: &Trace, scenario: &Scenario) -> Self {
         let walks = (0..trace.pedestrian_count()).map(|number| trace.pedestrian(number).to_vec()).collect();

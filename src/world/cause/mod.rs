@@ -20,7 +20,7 @@ mod sentence;
 mod setting;
 mod shrink;
 
-pub use altered::Change;
+pub use altered::{Change, unseeing};
 pub use around::{Around, StartRule, around};
 pub use explain::{Cause, MAX_RUNS, Questions, RunLimit, TurnedBy, explain};
 pub use failure_kind::FailureKind;

@@ -12,6 +12,7 @@ use results::failure::Failure;
 use results::jobs::Repeatable;
 use results::parallel;
 use results::report::{Encounter, Encounters, Met, WalkedBy};
+use world::cause::unseeing;
 use world::env::{Criterion, Outcome, Scenario, Trace};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
 use world::judge::Judged;
@@ -43,6 +44,24 @@ impl MetAgain {
 
 type Played = (Outcome, Trace);
 
+/// An episode of the new driver.
+struct Meeting {
+    played: Played,
+    /// See [`Met::is_missed`]. Of another simulator it is not known.
+    is_missed: bool,
+}
+
+impl Meeting {
+    /// Plays an episode with the new driver, and where nobody is touched once more with a driver that sees nobody.
+    fn new(scenario: &Arc<Scenario>, play: impl Fn(&Arc<Scenario>) -> Option<Played>) -> Option<Self> {
+        let played = play(scenario)?;
+        let misses = |(outcome, _): &Played| !outcome.is_touch() && outcome.fault().is_none();
+        let is_asked = misses(&played) && scenario.external_world.is_none();
+        let is_missed = is_asked && play(&unseeing(scenario)).as_ref().is_some_and(misses);
+        Some(Self { played, is_missed })
+    }
+}
+
 impl Source {
     /// Meets a failure of an evaluation again. `old` says whether the old driver can be run.
     pub(super) fn meet_episode(
@@ -53,19 +72,20 @@ impl Source {
         old: bool,
     ) -> MetAgain {
         let number = failure.number as u32;
-        let play = |evaluation: &Evaluation| -> Option<Played> {
+        let play = |scenario: &Arc<Scenario>| -> Option<Played> {
+            let evaluation = &Evaluation { scenario: scenario.clone(), ..evaluation.clone() };
             let seen = Repeatable::Episode { evaluation, networks: trained, number }.repeat(&self.seed)?;
             Some((seen.judged.outcome, seen.trace))
         };
-        let before = old.then(|| play(evaluation)).flatten();
-        let after = Evaluation { scenario: with_driver(&evaluation.scenario, new), ..evaluation.clone() };
+        let before = old.then(|| play(&evaluation.scenario)).flatten();
+        let after = with_driver(&evaluation.scenario, new);
         // In another simulator a recorded walk says little: the car comes later or earlier.
         let commands = before.as_ref().filter(|_| new.world.is_none()).map(|(_, trace)| recorded_commands(trace));
+        let starts = episodes_seed(&self.seed, &evaluation.town);
         let again = commands.and_then(|commands| {
-            let starts = episodes_seed(&self.seed, &evaluation.town);
-            walk_again(&after.scenario, starts, number.into(), &commands)
+            Meeting::new(&after, |scenario| walk_again(scenario, starts, number.into(), &commands))
         });
-        let ends = [(WalkedBy::Controller, play(&after)), (WalkedBy::Commands, again)];
+        let ends = [(WalkedBy::Controller, Meeting::new(&after, play)), (WalkedBy::Commands, again)];
         met_again(failure, &evaluation.scenario, before, ends)
     }
 
@@ -76,18 +96,19 @@ impl Source {
         }
         let seed = search.starts(&self.seed);
         let after = with_driver(&search.scenario, new);
-        let follow = |scenario| walk_again(scenario, seed, failure.start, &failure.commands);
-        let walker = search.falsifier.walk_policy().zip(u32::try_from(failure.start).ok());
-        let has_no_controller = walker.is_none();
-        let walked = walker.and_then(|(mut walker, start)| {
+        let follow = |scenario: &Arc<Scenario>| walk_again(scenario, seed, failure.start, &failure.commands);
+        let walker = || search.falsifier.walk_policy().zip(u32::try_from(failure.start).ok());
+        let has_no_controller = walker().is_none();
+        let walked = Meeting::new(&after, |scenario| {
+            let (mut walker, start) = walker()?;
             let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
             let drawn = search.drawn(&self.seed);
             let go_on = &mut |_| ControlFlow::Continue(());
-            let played = evaluate_observed(walker.as_mut(), &after, start..start + 1, &seed, &drawn, note, go_on);
+            let played = evaluate_observed(walker.as_mut(), scenario, start..start + 1, &seed, &drawn, note, go_on);
             played.into_iter().next()
         });
         let before = old.then(|| follow(&search.scenario)).flatten();
-        let again = if walked.is_some() && new.world.is_some() { None } else { follow(&after) };
+        let again = if walked.is_some() && new.world.is_some() { None } else { Meeting::new(&after, follow) };
         let ends = [(WalkedBy::Controller, walked), (WalkedBy::Commands, again)];
         MetAgain { has_no_controller, ..met_again(failure, &search.scenario, before, ends) }
     }
@@ -101,7 +122,7 @@ fn met_again(
     failure: &Failure,
     scenario: &Scenario,
     before: Option<Played>,
-    ends: [(WalkedBy, Option<Played>); 2],
+    ends: [(WalkedBy, Option<Meeting>); 2],
 ) -> MetAgain {
     let stored = Met::stored(failure);
     let old = before.as_ref().map(|(outcome, trace)| (outcome.start, end(scenario, outcome, trace)));
@@ -109,14 +130,14 @@ fn met_again(
         old.is_some_and(|(_, old)| (old.fault, old.is_collision()) != (stored.fault, stored.is_collision()));
     let error = before.as_ref().and_then(|(outcome, _)| outcome.error());
     let mut met = MetAgain { is_other_now, error, ..MetAgain::default() };
-    for (walked_by, played) in ends {
-        let Some((outcome, trace)) = played else { continue };
+    for (walked_by, meeting) in ends {
+        let Some(Meeting { played: (outcome, trace), is_missed }) = meeting else { continue };
         met.error = met.error.or_else(|| outcome.error());
         if old.is_some_and(|(start, _)| start != outcome.start) {
             met.has_other_start = true;
             continue;
         }
-        let after = end(scenario, &outcome, &trace);
+        let after = Met { is_missed, ..end(scenario, &outcome, &trace) };
         met.encounters.push((walked_by, encounter(failure, old.map(|(_, old)| old), after)));
     }
     met

@@ -14,7 +14,7 @@ pub fn stored(options: &StatusArgs) -> Ended {
     }
     let note = Box::new(|text: &str| console::warn(text));
     let open = if options.prune { Store::open } else { Store::look };
-    let told = open(&options.out, cache, note).and_then(|store| tell(&store, options));
+    let told = open(&options.place().0, cache, note).and_then(|store| tell(&store, options));
     told.map_err(|error| failed(error.into()))?;
     Ok(ExitCode::Done)
 }

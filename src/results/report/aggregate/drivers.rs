@@ -149,6 +149,7 @@ mod tests {
             name: name.into(),
             kind,
             settings: Arguments::default(),
+            changed: Vec::new(),
             sensors: None,
             sensor_model: None,
             surrogate: "",

@@ -10,7 +10,7 @@ use super::run_totals::{RunRow, RunTotals};
 use super::{Episodes, Failures, Run};
 use crate::failure::Failure;
 use crate::jobs::SearchResult;
-use crate::record::{self, EPISODES, EpisodeTable};
+use crate::record::{self, CellKey, EPISODES, EpisodeTable};
 use crate::report::failure_table::{FAILURES, failure_table};
 use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
@@ -48,6 +48,8 @@ pub struct Gathered {
     pub failures: Failures,
     /// The results in the tests of a protocol.
     pub protocol: Vec<ProtocolCell>,
+    /// The same by the cell of the campaign, with those that are equal.
+    pub tests: Vec<(CellKey, Vec<ProtocolCell>)>,
     /// The violations of each requirement in each cell; empty without requirements.
     pub requirements: Vec<CellRequirement>,
 }
@@ -135,7 +137,9 @@ pub fn gather(
         }
         gathered.runs.extend(totals.row());
         if tried > 0 {
-            for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
+            let tested = protocol.map(|protocol| (run.key.cell.clone(), protocol.cells()));
+            gathered.tests.extend(tested.clone());
+            for cell in tested.into_iter().flat_map(|(_, cells)| cells) {
                 // A target walks alike for every reward of the campaign; its cells are shown once. A case that one block ran is not missing in another.
                 let all = &mut gathered.protocol;
                 match all.iter().position(|known| cell.stands_for(known)) {

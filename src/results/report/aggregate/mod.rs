@@ -26,7 +26,7 @@ pub use episodes::{Episodes, Run};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};
 pub use metrics::{Cell, Measured, cells};
-pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_table};
+pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, passed_share, protocol_table, score};
 pub use published::{PublishedComparison, beside};
 pub use rate::{Method, Rate};
 pub use requirements::{

@@ -2,7 +2,7 @@ use crate::jobs::SearchResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
 use crate::record::{Column, EpisodeTable, Table};
 use base::choice;
-use base::statistics::clopper_pearson;
+use base::statistics::{clopper_pearson, mean};
 use compile::{Campaign, Evaluation};
 use world::env::{TargetWalk, TestCriterion};
 
@@ -182,6 +182,18 @@ impl ProtocolCell {
             self.worst = name().filter(|_| impact > 0.0);
         }
     }
+}
+
+/// The mean of the scores of cells; `None` if one of them was not run at the test speed, or has no colour.
+pub fn score<'a>(cells: impl Iterator<Item = &'a ProtocolCell>) -> Option<f64> {
+    let score = |cell: &ProtocolCell| cell.colour().filter(|_| cell.is_tested()).map(Colour::score);
+    mean(cells.map(score).collect::<Option<Vec<f64>>>()?)
+}
+
+/// The share of the cells with a result at the test speed that the protocol passes; `None` without any.
+pub fn passed_share(cells: &[ProtocolCell]) -> Option<f64> {
+    let passed = cells.iter().filter(|cell| cell.is_tested()).filter_map(ProtocolCell::passes);
+    mean(passed.map(|passed| f64::from(u8::from(passed))))
 }
 
 /// The results of an evaluation of scripted targets, a cell for each case of its test, while its episodes are added.

@@ -150,8 +150,6 @@ pub struct CellRequirement {
 }
 
 impl CellRequirement {
-    /// The episodes in which it applied.
-    pub const APPLIED: Counted = |run| run.applied;
     /// All violations.
     pub const ALL: Counted = |run| run.violated;
     /// The preventable ones.
@@ -164,26 +162,26 @@ impl CellRequirement {
         self.no_verdict.is_none()
     }
 
-    /// Whether it applied in an episode. Otherwise nothing is known of its violations.
-    pub fn applied(&self) -> bool {
-        self.runs.iter().any(|run| run.applied > 0)
+    /// The episodes that count, of all runs.
+    pub fn episodes(&self) -> u32 {
+        self.runs.iter().map(|run| run.episodes).sum()
     }
 
-    /// Violations and episodes of all runs.
+    /// What is counted, and the episodes in which it applied, of all runs: those of the others say nothing about it.
     pub fn sums(&self, counted: Counted) -> (u32, u32) {
-        self.runs.iter().fold((0, 0), |(part, all), run| (part + counted(run), all + run.episodes))
+        self.runs.iter().fold((0, 0), |(part, whole), run| (part + counted(run), whole + run.applied))
     }
 
-    /// The rate of violations, with Wilson's interval over the starts, which all runs share; no value if it never applied.
+    /// The rate of violations in the episodes in which it applied, with Wilson's interval over the starts, which all runs share; no value if it never did.
     pub fn rate(&self, counted: Counted) -> Rate {
-        if !self.applied() {
+        let (part, whole) = self.sums(counted);
+        if whole == 0 {
             return Rate::default();
         }
-        let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.episodes);
-        let by_run: Vec<f64> = self.runs.iter().filter(|run| run.episodes > 0).map(of_run).collect();
-        let (part, all) = self.sums(counted);
-        let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(self.runs.len() as f64);
-        let interval = (!self.is_of_cases).then(|| wilson(of_runs(part), of_runs(all)));
+        let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.applied);
+        let by_run: Vec<f64> = self.runs.iter().filter(|run| run.applied > 0).map(of_run).collect();
+        let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(by_run.len() as f64);
+        let interval = (!self.is_of_cases).then(|| wilson(of_runs(part), of_runs(whole)));
         Rate::of_runs(by_run).within(interval, Method::Wilson)
     }
 }

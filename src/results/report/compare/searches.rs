@@ -113,7 +113,7 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
             let place = found.title();
             let sides = sides.each_ref().map(|side| match side {
                 Some(failure) => SideEnd::of_report(failure.name(), Some(failure)),
-                None => SideEnd { name: format!("start {start}"), collision: None },
+                None => SideEnd::of_report(format!("start {start}"), None),
             });
             found.changes.push(FailureChange { place, sides });
         }

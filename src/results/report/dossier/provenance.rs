@@ -1,6 +1,6 @@
 use super::section;
-use crate::report::Manifest;
 use crate::report::render::{Column, Section, Table, Value};
+use crate::report::{Manifest, ProgramRecord};
 
 /// Versions, digests, and the command that repeats everything.
 pub fn provenance(manifest: &Manifest) -> Section {
@@ -27,5 +27,20 @@ pub fn provenance(manifest: &Manifest) -> Section {
             .collect(),
         ..Table::default()
     };
-    section("provenance", "Versions and digests", lead, vec![files])
+    let of_program = |program: &ProgramRecord| -> Vec<Vec<Value>> {
+        let version = if program.version.is_empty() { "none stated" } else { &program.version };
+        let of = |file: &str, digest: &str| {
+            vec![(&program.name).into(), version.into(), file.into(), Value::Code(digest.into())]
+        };
+        let files = program.files.iter().map(|(file, digest)| of(file, digest));
+        if program.files.is_empty() { vec![of("none declared", "–")] } else { files.collect() }
+    };
+    let programs = Table {
+        title: "Programs that drive or walk".into(),
+        head: ["program", "version", "file", "BLAKE3"].map(Column::text).into(),
+        rows: manifest.programs.iter().flat_map(of_program).collect(),
+        ..Table::default()
+    };
+    let tables = [files, programs].into_iter().filter(|table| !table.rows.is_empty());
+    section("provenance", "Versions and digests", lead, tables.collect())
 }

@@ -19,11 +19,15 @@ pub fn scope(found: &Findings<'_>) -> Section {
         let sensors = driver.sensors.clone().unwrap_or_else(|| "none: it perceives exactly and without delay".into());
         let documented = campaign.words.iter().find(|word| word.form == "policy" && word.name == driver.name);
         let docs = documented.map_or_else(String::new, |word| word.docs.clone());
-        vec![Value::from(&driver.name), Value::from(driver.kind), sensors.into(), docs.into(), driver.surrogate.into()]
+        let changed = if driver.changed.is_empty() { "none".into() } else { driver.changed.join(", ") };
+        let words = [driver.kind.into(), changed, sensors, docs, driver.surrogate.into()];
+        std::iter::once(Value::from(&driver.name)).chain(words.map(Value::from)).collect()
     };
     let drivers = Table {
         title: "Drivers".into(),
-        head: ["driver", "kind", "sensors", "what it is", "as a surrogate"].map(Column::text).into(),
+        head: ["driver", "kind", "keys other than the defaults", "sensors", "what it is", "as a surrogate"]
+            .map(Column::text)
+            .into(),
         rows: campaign.drivers.iter().map(row).collect(),
         ..Table::default()
     };

@@ -6,10 +6,10 @@ use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
 use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
-use crate::report::Findings;
 use crate::report::aggregate::{STARTS, search_cell_table, search_key};
-use crate::report::cell_table::{KnownCell, cell_table};
+use crate::report::cell_table::{KnownCell, NOT_TESTED, PASSED, SCORE, applied_to, cell_table};
 use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, DIFFERING, TRIED_STARTS};
+use crate::report::{Findings, Gathered, NOT_MET};
 use base::statistics::{MIN_RUNS, disagreement, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
@@ -96,6 +96,11 @@ pub enum Judged {
     TooFewRuns(TooFewRuns),
     /// The condition is about a share of starts, and a search tried this number of them: too few for any share, and the gate fails.
     TooFewSearched(u64),
+    /// The condition is about a test of a protocol, of which this number of cases have no result at the test speed, and the gate fails.
+    NotTested(u64),
+    /// The condition is about old failures, of which the new driver did not meet this number. That is worth a warning, and the gate fails if no row has one
+    /// that it met.
+    NotMet { failures: u64, all: bool },
     /// The condition is about a probability that this number of common starts could not give, whatever happens in them. It could never be true, so
     /// the gate fails.
     TooFewStarts(u64),
@@ -106,7 +111,10 @@ pub enum Judged {
 impl Judged {
     /// Whether the run fails by it.
     pub fn fails(&self) -> bool {
-        !matches!(self, Self::Passed | Self::Thin(_) | Self::Missing(_) | Self::Elsewhere)
+        !matches!(
+            self,
+            Self::Passed | Self::Thin(_) | Self::Missing(_) | Self::NotMet { all: false, .. } | Self::Elsewhere
+        )
     }
 
     /// Why it fails or is worth a warning, for people. `place` is ` in ` and the name of the row, or empty.
@@ -128,6 +136,11 @@ impl Judged {
             Self::TooFewSearched(count) => {
                 format!("{}{place} cannot show a share; give the search a larger `budget`", starts(*count))
             }
+            Self::NotMet { failures, all } => format!(
+                "the new driver did not meet {failures} of the failures{place}: nothing is known of them{}",
+                if *all { ", nor of any other" } else { "" }
+            ),
+            Self::NotTested(cases) => format!("cases of the test without a result at the test speed{place}: {cases}"),
             Self::NothingEvaluated => format!("nothing was evaluated{place}, so nothing can be judged"),
             Self::OffRoad(share) => format!(
                 "the driver left the road in {:.0} % of the episodes{place}: that nothing failed there says nothing; gate on `left_road_rate`, too",
@@ -298,8 +311,9 @@ impl Gate {
         if self.about_searches {
             return self.judge(&search_cell_table().frame(&found.searches));
         }
-        let (evidence, requirements) = (&found.gathered.evidence.cells, &found.gathered.requirements);
-        let known = |(cell, evidence)| KnownCell { cell, evidence, requirements };
+        let Gathered { evidence, requirements, tests, .. } = &found.gathered;
+        let evidence = &evidence.cells;
+        let known = |(cell, evidence)| KnownCell { cell, evidence, requirements, tests };
         let cells: Vec<KnownCell<'_>> = found.cells.iter().zip(evidence).map(known).collect();
         self.judge(&cell_table(&requirements_in(&self.text)).frame(&cells))
     }
@@ -308,6 +322,14 @@ impl Gate {
     pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
         let mut judged = self.judge_rows(cells);
         let is_missing = |each: &Judged| matches!(each, Judged::Missing(_) | Judged::Elsewhere);
+        let is_unmet = |each: &Judged| matches!(each, Judged::NotMet { all: true, .. } | Judged::Elsewhere);
+        if !judged.iter().all(is_unmet) {
+            judged.iter_mut().for_each(|each| {
+                if let Judged::NotMet { all, .. } = each {
+                    *all = false;
+                }
+            });
+        }
         let may_be = self.conditions.iter().all(|condition| !condition.is_of_collisions);
         if may_be && judged.iter().all(is_missing) {
             for each in &mut judged {
@@ -430,12 +452,30 @@ impl Gate {
         match missing {
             None if holds => Judged::Broken(looked_at),
             _ if nothing_evaluated(cells, row) => Judged::NothingEvaluated,
+            _ if let Some(cases) = self.not_tested(cells, row) => Judged::NotTested(cases),
             _ if let Some(starts) = self.too_few_starts(cells, row) => Judged::TooFewStarts(starts),
             _ if let Some(starts) = self.too_few_searched(cells, row) => Judged::TooFewSearched(starts),
             Some(judged) if holds => judged,
+            _ if let Some(judged) = self.not_met(cells, row) => judged,
             _ if let Some(share) = self.off_road(cells, row) => Judged::OffRoad(share),
             _ => self.thin(cells, row).map_or(Judged::Passed, Judged::Thin),
         }
+    }
+
+    /// The old failures of a row that were not met, if there are any and a condition is about what became of the others.
+    fn not_met(&self, cells: &DataFrame, row: usize) -> Option<Judged> {
+        let count = |column: &str| number(&value(cells, column, row));
+        let failures = count(NOT_MET).filter(|failures| *failures > 0.0)?;
+        let is_about_ends = |condition: &Condition| condition.column.name.starts_with("still_");
+        let all = Some(failures) == count(MET_AGAIN);
+        self.conditions.iter().any(is_about_ends).then_some(Judged::NotMet { failures: failures as u64, all })
+    }
+
+    /// The number of cases of a test without a result at the test speed, if there are any and a condition is about the others.
+    fn not_tested(&self, cells: &DataFrame, row: usize) -> Option<u64> {
+        let cases = number(&value(cells, NOT_TESTED, row)).filter(|cases| *cases > 0.0)?;
+        let is_about_tests = |condition: &Condition| [SCORE, PASSED].contains(&&*condition.column.name);
+        self.conditions.iter().any(is_about_tests).then_some(cases as u64)
     }
 
     /// The number of starts that a search tried, if a condition is about a share of them and they are too few for one.
@@ -455,16 +495,21 @@ impl Gate {
         number(&value(cells, &column, row)).filter(|share| *share >= MOSTLY && is_about_failures)
     }
 
-    /// The number of a row's episodes, if they are so few that a single failure would have made a condition on a rate true.
+    /// The number of a row's episodes, or of those in which a requirement applied, if they are so few that a single failure would have made a condition on
+    /// a rate true.
     fn thin(&self, cells: &DataFrame, row: usize) -> Option<u64> {
-        let episodes = number(&value(cells, EPISODES.name, row))?;
-        let is_thin = |condition: &Condition| match condition.bound {
+        let is_thin = |condition: &Condition, episodes: f64| match condition.bound {
             Bound::Number(bound) if bound > 0.0 && is_share(condition) && !condition.is_of_collisions => {
                 matches!(condition.comparison, Comparison::More | Comparison::AtLeast) && episodes * bound < 1.0
             }
             _ => false,
         };
-        self.conditions.iter().any(is_thin).then_some(episodes as u64)
+        let thin = |condition: &Condition| {
+            let all = || number(&value(cells, EPISODES.name, row));
+            let episodes = applied(cells, condition, row).or_else(all)?;
+            is_thin(condition, episodes).then_some(episodes as u64)
+        };
+        self.conditions.iter().find_map(thin)
     }
 }
 
@@ -484,6 +529,9 @@ const MIN_SEARCHED: f64 = 10.0;
 const PAIRED_STARTS: [&str; 3] = [COMMON_STARTS.name, TRIED_STARTS.name, RECHECKED_STARTS];
 const RECHECKED_STARTS: &str = "starts";
 
+/// The column of the number of failures that are met again.
+const MET_AGAIN: &str = "failures";
+
 /// The column of the number of runs, in each table that has gates.
 const RUNS: &str = "runs";
 
@@ -495,8 +543,15 @@ fn nothing_evaluated(cells: &DataFrame, row: usize) -> bool {
 
 /// The judgement of a row that has no value in a column.
 fn absent(cells: &DataFrame, condition: &Condition, row: usize) -> Judged {
-    let missing = || Judged::Missing(condition.column.name.to_string());
+    let never = if applied(cells, condition, row) == Some(0.0) { ", since it never applied" } else { "" };
+    let missing = || Judged::Missing(format!("{}{never}", condition.column.name));
     TooFewRuns::of(cells, condition, row).map_or_else(missing, Judged::TooFewRuns)
+}
+
+/// The number of a row's episodes in which the requirement of a condition applied; `None` if it is about none.
+fn applied(cells: &DataFrame, condition: &Condition, row: usize) -> Option<f64> {
+    let (_, requirement) = condition.column.figure.trim_end_matches(')').split_once('(')?;
+    number(&value(cells, &applied_to(requirement), row))
 }
 
 /// The requirements that a gate names, each once: `violation_rate(NAME)`, `fault_rate(NAME)`.

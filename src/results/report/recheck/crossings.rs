@@ -139,7 +139,7 @@ mod tests {
 
     /// A start for each word; each letter is a crossing: `n`ew, `f`ixed, `s`ame, `e`rror, or none.
     fn crossed(starts: &[&str]) -> CrossedStarts {
-        let met = |fault: bool| Met { impact_speed: fault.then_some(10.0), fault, error: false };
+        let met = |fault: bool| Met { impact_speed: fault.then_some(10.0), fault, ..Met::default() };
         let encounter = |start: usize, crossing: usize, letter: char| Encounter {
             name: String::new(),
             start: start as u64,

@@ -12,6 +12,8 @@ pub struct Met {
     pub fault: bool,
     /// Whether the driver or the controller failed as a program.
     pub error: bool,
+    /// Whether nobody was touched, and nobody would be if the driver saw no pedestrian: its own way and speed let them miss each other.
+    pub is_missed: bool,
 }
 
 /// Encounters of two drivers. One in which a driver failed as a program says nothing.
@@ -40,17 +42,19 @@ impl Met {
             impact_speed: outcome.impact_speed().filter(|_| outcome.is_collision()),
             fault: judged.is(Criterion::Collision, Blame::Fault),
             error: outcome.fault().is_some(),
+            is_missed: false,
         }
     }
 
     /// The end of a failure, or of a near miss, as its report has it.
     pub fn stored(failure: &Failure) -> Self {
-        Self { impact_speed: failure.impact.map(|_| failure.impact_speed), fault: failure.fault, error: false }
+        let impact_speed = failure.impact.map(|_| failure.impact_speed);
+        Self { impact_speed, fault: failure.fault, ..Self::default() }
     }
 
     /// An encounter that was not run, since its driver failed as a program over and over.
-    pub const fn error() -> Self {
-        Self { impact_speed: None, fault: false, error: true }
+    pub fn error() -> Self {
+        Self { error: true, ..Self::default() }
     }
 
     /// Whether it is a collision.
@@ -83,7 +87,8 @@ impl Encounter {
             "" => format!("start {}, walk {}", self.start, self.crossing),
             name => name.to_owned(),
         };
-        let sides = [self.before?, self.after].map(|met| SideEnd { name: name.clone(), collision: met.collision() });
+        let end = |met: Met| SideEnd { name: name.clone(), collision: met.collision(), is_missed: met.is_missed };
+        let sides = [self.before?, self.after].map(end);
         sides.iter().any(|side| side.collision.is_some()).then_some(FailureChange { place, sides })
     }
 

@@ -6,6 +6,19 @@ fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::E
     Column::<String>::new("other_policy", "", "name of the new driver").of(name)
 }
 
+/// The column of the number of failures that a new driver did not meet.
+pub const NOT_MET: &str = "not_met";
+
+/// Whether a collision is none any more for a driver that reacts.
+pub fn is_gone(before: &Met, after: &Met) -> bool {
+    before.is_collision() && !after.is_collision() && !after.is_missed
+}
+
+/// Whether a collision is none any more, and would be none if the driver saw nobody.
+pub fn is_not_met(before: &Met, after: &Met) -> bool {
+    before.is_collision() && after.is_missed
+}
+
 /// What the ends of an interval are.
 const LOW: &str = "its interval (95 %, Clopper and Pearson): lower end";
 const HIGH: &str = "upper end";
@@ -35,7 +48,7 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
             is(|before, after| before.fault && after.fault),
         )
         .column(
-            share("still_fault_share", "`still_faults` as a share of `old_faults`", Role::Share)
+            share("still_fault_share", "`still_faults` as a share of the `old_faults` that were met", Role::Share)
                 .of(of_share(true, |share| share.0)),
         )
         .column(share("still_fault_share_low", LOW, Role::LowerBound).of(of_share(true, |share| share.1.0)))
@@ -46,8 +59,12 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
             is(|before, after| !before.fault && after.fault),
         )
         .column(
-            share("turned_fault_share", "`turned_faults` as a share of `failures` without `old_faults`", Role::Share)
-                .of(of_share(false, |share| share.0)),
+            share(
+                "turned_fault_share",
+                "`turned_faults` as a share of the `failures` that were met, without `old_faults`",
+                Role::Share,
+            )
+            .of(of_share(false, |share| share.0)),
         )
         .column(share("turned_fault_share_low", LOW, Role::LowerBound).of(of_share(false, |share| share.1.0)))
         .column(share("turned_fault_share_high", HIGH, Role::UpperBound).of(of_share(false, |share| share.1.1)))
@@ -58,8 +75,13 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
         )
         .count(
             "gone",
-            "failures that are none any more; a pedestrian may bump into the standing car",
-            is(|_, after| !after.is_collision()),
+            "failures that are none any more since the new driver reacts; a pedestrian may bump into the standing car",
+            is(is_gone),
+        )
+        .count(
+            NOT_MET,
+            "failures of which nothing is known: the pedestrian would miss the new driver even if that saw nobody",
+            is(is_not_met),
         )
         .column(
             injuries(

@@ -73,6 +73,7 @@ impl ChangeSection {
             "worse, a collision of both that is a fault only after",
             "fixed",
             "better, a collision of both that was a fault only before",
+            "not met, a collision before, of a pedestrian who would miss the new driver even if that saw nobody",
             "same",
         ];
         let of_word = |(word, title)| (title, FailureChange::of_word(&self.changes, word));

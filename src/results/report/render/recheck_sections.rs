@@ -5,7 +5,7 @@ use super::comparison_sections::p;
 use super::table::{Column, Table, Value};
 use crate::record::in_world;
 use crate::report::compare::drivers;
-use crate::report::{CrossedStarts, Met, Recheck, RecheckedFailures, StartFaults};
+use crate::report::{CrossedStarts, Met, Recheck, RecheckedFailures, StartFaults, is_gone, is_not_met};
 
 /// The result of a recheck.
 pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
@@ -39,7 +39,8 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
 fn failures(rows: &[RecheckedFailures]) -> Table {
     let mut head = vec![Column::text("driver"), Column::text("town"), Column::text("found in"), Column::text("by")];
     head.extend(
-        ["failures", "faults", "still faults", "turned faults", "still collisions", "gone"].map(Column::number),
+        ["failures", "faults", "still faults", "turned faults", "still collisions", "gone", "not met"]
+            .map(Column::number),
     );
     let row = |row: &RecheckedFailures| {
         let count = |is: fn(&Met, &Met) -> bool| Value::Count(row.encounters.count(is).unwrap_or_default());
@@ -53,7 +54,8 @@ fn failures(rows: &[RecheckedFailures]) -> Table {
             count(|before, after| before.fault && after.fault),
             count(|before, after| !before.fault && after.fault),
             count(|_, after| after.is_collision()),
-            count(|_, after| !after.is_collision()),
+            count(is_gone),
+            count(is_not_met),
         ]
     };
     Table { head, rows: rows.iter().map(row).collect(), ..Table::default() }

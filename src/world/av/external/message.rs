@@ -97,8 +97,9 @@ pub(super) enum Pedals {
 }
 
 /// The keys of a greeting.
-const GREETING: [KeyOf; 4] = [
+pub(super) const GREETING: [KeyOf; 5] = [
     ("protocol", "a text", |value| value.is_string()),
+    ("name", "a text", |_| true),
     ("encoding", "`json` or `binary`", |value| ["json", "binary"].iter().any(|word| value == word)),
     ("control", "`pedals` or `acceleration`", |value| ["pedals", "acceleration"].iter().any(|word| value == word)),
     ("revision", "1 or 2", |value| [1, 2].iter().any(|number| value == number)),
@@ -397,6 +398,7 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
 
 #[cfg(test)]
 mod tests {
+    use super::super::refusal::unknown_key;
     use super::*;
 
     /// A change of this text is a change of the protocol and needs a new version or description.
@@ -519,6 +521,11 @@ mod tests {
             let fault = read_decisions(line.as_bytes(), &[3], &mut Vec::new()).unwrap_err().to_string();
             assert!(fault.starts_with("gave a wrong answer: `id` is ") && fault.ends_with("; give the id of a world"));
         }
+        for number in ["1e999", "-1E+400"] {
+            let said = format!("gave a wrong answer: `brake` is {number}, and the largest number is about 1.8e308");
+            assert_eq!(read("brake", number), said);
+        }
+        assert!(read("brake", "1e999999999999999999999999999").contains("`brake` is 1e9999"));
         let fault = read_decisions(br#"{"actions":{"id":3}}"#, &[3], &mut Vec::new()).unwrap_err().to_string();
         assert_eq!(fault, "gave a wrong answer: `actions` is an object; give a list");
         // A missing pedal is 0, and a mode may be left open.
@@ -539,8 +546,15 @@ mod tests {
             (r#"{"protocol":"falsify-av/1","revision":"2"}"#, "`revision` is a text; give 1 or 2"),
             (r#"{"protocol":"falsify-av/1","encoding":"xml"}"#, "`encoding` is a text; give `json` or `binary`"),
             (r#"{"protocol":"falsify-av/9"}"#, "another protocol than falsify-av/1"),
+            (r#"{"revision":1e999}"#, "`revision` is 1e999, and the largest number is about 1.8e308"),
         ] {
             assert_eq!(refused(line), Some(format!("greeted wrongly: {said}")), "{line}");
         }
+        let ignored = |line: &str| unknown_key(line.as_bytes(), &GREETING);
+        assert_eq!(ignored(r#"{"protocol":"falsify-av/1","name":3,"revision":2}"#), None);
+        let text = "its greeting has a key `revison`, which is unknown and ignored; did you mean `revision`?";
+        assert_eq!(ignored(r#"{"protocol":"falsify-av/1","revison":2}"#).as_deref(), Some(text));
+        let text = ignored(r#"{"protocol":"falsify-av/1","\u001bfar":2}"#).unwrap();
+        assert!(text.ends_with("key ` far`, which is unknown and ignored; known are `protocol`, `name`, `encoding`, `control`, `revision`"), "{text}");
     }
 }

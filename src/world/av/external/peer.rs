@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::refusal::{KeyOf, unknown_key};
 use super::{Link, Opener, Program};
 use crate::av::{Exit, Fault};
 
@@ -33,13 +34,14 @@ impl Peer {
     }
 
     /// Starts the program if it does not run; returns the number of its starts. `hello` is the line that it is greeted with, and `greeted`
-    /// reads the line of its answer.
+    /// reads the line of its answer. A key of that which is none of `keys` is noted.
     ///
     /// # Errors
     /// It cannot be started, does not answer in time, or `greeted` refuses its answer. Until [`Peer::forgive`] it is not started again.
     pub fn ready(
         &mut self,
         hello: impl FnOnce() -> Vec<u8>,
+        keys: &[KeyOf],
         greeted: impl FnOnce(&[u8]) -> Result<(), Fault>,
     ) -> Result<u64, Fault> {
         if let Some(fault) = self.refusal {
@@ -47,7 +49,7 @@ impl Peer {
         }
         if self.link.is_none() {
             self.generation += 1;
-            match self.greet(hello(), greeted) {
+            match self.greet(hello(), keys, greeted) {
                 Ok(link) => self.link = Some(link),
                 Err(fault) => {
                     self.refusal = Some(fault);
@@ -61,6 +63,7 @@ impl Peer {
     fn greet(
         &self,
         mut line: Vec<u8>,
+        keys: &[KeyOf],
         greeted: impl FnOnce(&[u8]) -> Result<(), Fault>,
     ) -> Result<Box<dyn Link>, Fault> {
         let mut link = self.opener.open(&self.program)?;
@@ -69,7 +72,10 @@ impl Peer {
         line.clear();
         link.line(&mut line, MAX_LINE)?;
         match greeted(&line) {
-            Ok(()) => Ok(link),
+            Ok(()) => {
+                unknown_key(&line, keys).iter().for_each(|text| link.note(text));
+                Ok(link)
+            }
             Err(fault) => {
                 link.note(&format!("{fault}: {}", shown(&line)));
                 Err(fault)
@@ -119,7 +125,7 @@ impl Peer {
 }
 
 /// The start of an answer, in printable characters.
-fn shown(said: &[u8]) -> String {
+pub(super) fn shown(said: &[u8]) -> String {
     let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]).replace(char::is_control, " ");
     let dots = if said.len() > SHOWN { "…" } else { "" };
     format!("`{text}{dots}`")

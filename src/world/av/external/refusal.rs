@@ -7,7 +7,9 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Map, Value};
 
-use crate::av::Fault;
+use super::peer::shown;
+use crate::av::{Fault, Word};
+use base::suggest::nearest;
 
 /// A key of a message: its name, what its value must be, and whether a value is that.
 pub(crate) type KeyOf = (&'static str, &'static str, fn(&Value) -> bool);
@@ -41,8 +43,9 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Object<T> {
 
 /// What is wrong with a line that is not a greeting with these keys, of which the first must be there.
 pub(crate) fn greeting_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
-    let Ok(value) = serde_json::from_slice::<Value>(line) else {
-        return Fault::Greeting(not_json(line).unwrap_or("not the JSON of a greeting"));
+    let value = match serde_json::from_slice::<Value>(line) {
+        Ok(value) => value,
+        Err(error) => return not_json(line, &error, true),
     };
     let Some(greeting) = value.as_object() else { return Fault::Greeting("JSON, and not an object") };
     let missing = keys.first().is_some_and(|(first, ..)| !greeting.contains_key(*first));
@@ -55,8 +58,9 @@ pub(crate) fn greeting_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
 
 /// What is wrong with a line that is not an answer of actions with these keys.
 pub(crate) fn answer_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
-    let Ok(value) = serde_json::from_slice::<Value>(line) else {
-        return Fault::Answer(not_json(line).unwrap_or("not the JSON of an answer"));
+    let value = match serde_json::from_slice::<Value>(line) {
+        Ok(value) => value,
+        Err(error) => return not_json(line, &error, false),
     };
     let Some(actions) = value.get("actions") else { return Fault::Answer("JSON, and not an object with `actions`") };
     let Some(actions) = actions.as_array() else {
@@ -96,14 +100,42 @@ fn kind(value: &Value) -> &'static str {
     }
 }
 
-/// An encoding that shows why a line is not JSON.
-fn not_json(line: &[u8]) -> Option<&'static str> {
-    match line {
-        [0xef, 0xbb, 0xbf, ..] => Some("it begins with a byte order mark: write UTF-8 without one"),
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..] => Some("it is UTF-16: write UTF-8"),
+/// Why a line is not JSON: its encoding, or a number that no `f64` holds.
+fn not_json(line: &[u8], error: &serde_json::Error, greeting: bool) -> Fault {
+    let why = match line {
+        [0xef, 0xbb, 0xbf, ..] => "it begins with a byte order mark: write UTF-8 without one",
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..] => "it is UTF-16: write UTF-8",
         _ if [&b"NaN"[..], b"Infinity"].iter().any(|word| line.windows(word.len()).any(|part| part == *word)) => {
-            Some("JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)")
+            "JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)"
         }
-        _ => None,
-    }
+        _ if error.to_string().starts_with("number out of range") => {
+            let (key, number) = number_before(line, error.column());
+            return Fault::TooLarge { greeting, key: Word::new(key), number: Word::new(number) };
+        }
+        _ if greeting => "not the JSON of a greeting",
+        _ => "not the JSON of an answer",
+    };
+    if greeting { Fault::Greeting(why) } else { Fault::Answer(why) }
+}
+
+/// The number in a line that ends about here (bytes), and the key before it.
+fn number_before(line: &[u8], end: usize) -> (&[u8], &[u8]) {
+    let is_part = |byte: &u8| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E');
+    let last = line[..end.min(line.len())].iter().rposition(is_part).unwrap_or(0);
+    let first = line[..last].iter().rposition(|byte| !is_part(byte)).map_or(0, |place| place + 1);
+    let after = line[first..].iter().position(|byte| !is_part(byte)).map_or(line.len(), |length| first + length);
+    let key = line[..first].rsplit(|byte| *byte == b'"').nth(1).unwrap_or_default();
+    (key, &line[first..after])
+}
+
+/// The first key of a greeting that is none of these, in words; a program that means another one hears of it.
+pub(super) fn unknown_key(line: &[u8], keys: &[KeyOf]) -> Option<String> {
+    let greeting: Map<String, Value> = serde_json::from_slice(line).ok()?;
+    let known = || keys.iter().map(|(key, ..)| *key);
+    let unknown = greeting.keys().find(|key| known().all(|other| other != key.as_str()))?;
+    let help = match nearest(unknown, known()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("known are `{}`", known().collect::<Vec<_>>().join("`, `")),
+    };
+    Some(format!("its greeting has a key {}, which is unknown and ignored; {help}", shown(unknown.as_bytes())))
 }

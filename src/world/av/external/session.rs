@@ -101,7 +101,7 @@ impl Session {
             (*encoding, *control, *revision) = (greeting.encoding, greeting.control, greeting.revision);
             Ok(())
         };
-        peer.ready(hello, greeted)
+        peer.ready(hello, &message::GREETING, greeted)
     }
 
     /// Whether messages hold the lanes along the route.

@@ -110,7 +110,7 @@ impl Bridge {
         }
         let Some(peer) = &mut self.peer else { return Err(Fault::NotStarted) };
         peer.forgive();
-        peer.ready(message::hello, |line| message::read_greeting(line).map(|_| ()))?;
+        peer.ready(message::hello, &message::GREETING, |line| message::read_greeting(line).map(|_| ()))?;
         let loaded = peer.exchange(&self.load, self.world.start_timeout, &mut self.answer, read_loaded)?;
         let Some(theirs) = loaded.lanes else { return Ok(None) };
         if theirs.len() != lanes.len() {

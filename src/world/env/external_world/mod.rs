@@ -90,7 +90,11 @@ impl ExternalWorld {
                 abilities = Some(message::read_greeting(line)?);
                 Ok(())
             };
-            Peer::new(opener.clone(), program.clone(), start_timeout).ready(message::hello, greeted)?;
+            Peer::new(opener.clone(), program.clone(), start_timeout).ready(
+                message::hello,
+                &message::GREETING,
+                greeted,
+            )?;
         }
         Ok(Self { program, opener, timeout, start_timeout, write_map, idle: Arc::default(), abilities })
     }

@@ -3,7 +3,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rand::Rng;
 
 use super::carry_out;
-use super::message::{Hello, read_action, read_greeting, write_request};
+use super::message::{GREETING, Hello, read_action, read_greeting, write_request};
 use crate::av::Fault;
 use crate::av::external::{Opener, Peer, Program, ProgramKeys};
 use crate::env::Scene;
@@ -68,7 +68,7 @@ impl Programmed {
         let mut session = self.session.lock().unwrap_or_else(PoisonError::into_inner);
         let Session { peer, timeout, request, answer, .. } = &mut *session;
         let hello = || serde_json::to_vec(&Hello::new(scene)).expect("numbers and words have a form in JSON");
-        let generation = peer.ready(hello, read_greeting)?;
+        let generation = peer.ready(hello, &GREETING, read_greeting)?;
         let seed = self.seed.take();
         if seed.is_some() {
             self.generation = generation;

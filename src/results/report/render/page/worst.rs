@@ -163,6 +163,7 @@ mod tests {
             name: "a".into(),
             kind: "idm",
             settings: Arguments::default(),
+            changed: Vec::new(),
             sensors: None,
             sensor_model: None,
             surrogate: "",

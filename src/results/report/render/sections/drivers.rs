@@ -30,10 +30,11 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
     })
 }
 
-/// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches.
+/// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches. `None` of the cases of a test, which are
+/// no sample of episodes.
 pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
-    match result.cell {
-        Some(cell) => cells[cell].injury.value.map(|injury| injury * 1000.0),
+    match result.cell.map(|cell| &cells[cell]) {
+        Some(cell) => cell.injury.value.filter(|_| !cell.is_of_cases).map(|injury| injury * 1000.0),
         None => result.searched.and_then(|found| found.injury_per_thousand),
     }
 }
@@ -41,6 +42,8 @@ pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
 fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
+    let injured = results.iter().any(|result| injury(result, cells).is_some());
+    let injuries = std::iter::once("avoidable injury / 1,000".into()).chain(scale.head()).filter(|_| injured);
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
     if evaluated {
         // A terminal has no room for what is the same everywhere.
@@ -49,8 +52,7 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
         let setting = Column::text("where that is");
         let setting = if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() };
         head.push(Column::number("n").page_only());
-        head.push(Column::number("avoidable injury / 1,000").page_only());
-        head.extend(scale.head().map(|name| Column::number(name).page_only()));
+        head.extend(injuries.clone().map(|name| Column::number(name).page_only()));
         head.push(Column::number("fault (95 %)"));
         head.push(setting);
         head.push(Column::number("preventable (95 %)").page_only());
@@ -61,14 +63,13 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
         // A terminal shows the searches in a table of their own.
         let found = Column::text("found by searches");
         if !evaluated {
-            head.push(Column::number("avoidable injury / 1,000"));
-            head.extend(scale.head().map(Column::number));
+            head.extend(injuries.map(Column::number));
         }
         head.push(if evaluated { found.page_only() } else { found });
     }
     let of_injury = |result: &DriverResult| {
         let share = scale.head().map(|_| Value::Number(scale.injury_of(result), 2));
-        [Value::Number(injury(result, cells), 2)].into_iter().chain(share)
+        [Value::Number(injury(result, cells), 2)].into_iter().chain(share).filter(|_| injured)
     };
     let row = |result: &&DriverResult| {
         let mut row = vec![

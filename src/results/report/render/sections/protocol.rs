@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use crate::jobs::percent_above;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
-use crate::report::{Colour, Findings, ProtocolCell};
+use crate::report::{Colour, Findings, ProtocolCell, score};
 use world::env::TestCriterion;
 
 /// How to read the tables.
@@ -346,11 +346,4 @@ fn shown(cell: &ProtocolCell) -> Value {
     let word = cell.colour().map_or(if passes { "passes" } else { "fails" }, Colour::name);
     let tone = cell.colour().unwrap_or(if passes { Colour::Green } else { Colour::Red });
     Value::Toned(format!("{speed} {word}{mark}"), tone.name())
-}
-
-/// The mean of the scores of cells; `None` if one of them was not run at the test speed.
-fn score<'a>(cells: impl Iterator<Item = &'a ProtocolCell>) -> Option<f64> {
-    let score = |cell: &ProtocolCell| cell.colour().filter(|_| cell.is_tested()).map(Colour::score);
-    let scores: Vec<f64> = cells.map(score).collect::<Option<_>>()?;
-    (!scores.is_empty()).then(|| scores.iter().sum::<f64>() / scores.len() as f64)
 }

@@ -35,10 +35,10 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         let found = found.iter().find(|each| each.key == cell.key && each.name == name);
         found.map_or_else(
             || Value::from("–"),
-            |each| match each.sums(counted) {
-                (_, 0) => "not run".into(),
-                (part, whole) if each.applied() => Value::rate(&each.rate(counted), part, whole),
-                (_, whole) => format!("never applied (0 of {whole})").into(),
+            |each| match (each.episodes(), each.sums(counted)) {
+                (0, _) => "not run".into(),
+                (episodes, (_, 0)) => format!("never applied (0 of {episodes})").into(),
+                (_, (part, applied)) => Value::rate(&each.rate(counted), part, applied),
             },
         )
     };
@@ -63,7 +63,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let refused =
         names.iter().filter_map(|(name, why)| Some(format!("`{name}` has no verdict: {}.", (*why)?.reason())));
     let notes = [
-        "A requirement *never applied* where nothing that stands before its `implies` ever held, as at a crosswalk in a town without one. Violations of all episodes, with Wilson's 95 % interval, and beside them those that are *faults*: both careful humans, who take over at the start of the \
+        "A requirement *never applied* where nothing that stands before its `implies` ever held, as at a crosswalk in a town without one. Violations are of the episodes in which it applied, with Wilson's 95 % interval, and beside them those that are *faults*: both careful humans, who take over at the start of the \
          danger, satisfy the requirement, and the pedestrian moved as people do."
             .into(),
     ];

@@ -66,6 +66,7 @@ impl<'a> Scale<'a> {
 
     /// The avoidable injury of a driver, as [`Scale::of_driver`].
     pub fn injury_of(&self, result: &DriverResult) -> Option<f64> {
+        super::drivers::injury(result, self.cells)?;
         self.of_driver(result, |cell| &cell.injury, |searched| searched.injury_per_thousand)
     }
 
@@ -115,6 +116,7 @@ mod tests {
                 name: name.into(),
                 kind,
                 settings: Arguments::default(),
+                changed: Vec::new(),
                 sensors: None,
                 sensor_model: None,
                 surrogate: "",
