@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_445),
+    ("src/base", 3_530),
     ("src/learn", 5_524),
-    ("src/world", 37_257),
+    ("src/world", 37_344),
     ("src/ported", 4_642),
-    ("src/lang", 6_583),
-    ("src/compile", 8_130),
+    ("src/lang", 6_506),
+    ("src/compile", 8_162),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_084),
-    ("src/program", 12_834),
-    ("tests", 28_621),
+    ("src/results", 26_243),
+    ("src/program", 12_892),
+    ("tests", 28_768),
 ];
 
 /// Crates that only some places may name.
