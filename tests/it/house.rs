@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_530),
     ("src/learn", 5_524),
-    ("src/world", 37_344),
+    ("src/world", 37_359),
     ("src/ported", 4_642),
     ("src/lang", 6_506),
     ("src/compile", 8_162),
     ("src/process", 880),
     ("src/export", 3_824),
     ("src/results", 26_243),
-    ("src/program", 12_892),
-    ("tests", 28_768),
+    ("src/program", 12_893),
+    ("tests", 28_775),
 ];
 
 /// Crates that only some places may name.
