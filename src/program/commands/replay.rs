@@ -181,7 +181,8 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[
         if !cause.faculties.is_empty() {
             paragraph(&format!("{} {}", cause.last_chances(), cause.perfected()));
         }
-        cause.world.iter().for_each(|turned| paragraph(&turned.text()));
+        cause.setting.iter().for_each(|turned| paragraph(&turned.cost()));
+        cause.world.iter().for_each(|turned| paragraph(&format!("{} {}", turned.text(), turned.cost())));
     }
     if !needs.is_empty() {
         paragraph(&needed(needs));

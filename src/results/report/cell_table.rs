@@ -20,7 +20,7 @@ pub struct KnownCell<'a> {
 }
 
 impl KnownCell<'_> {
-    /// The results in its test; none if it is of no protocol.
+    /// The results in its test; empty if it is of no protocol.
     fn test(&self) -> &[ProtocolCell] {
         self.tests.iter().find(|(key, _)| *key == self.cell.key).map_or(&[], |(_, cells)| cells)
     }

@@ -70,7 +70,7 @@ pub struct Cause {
     /// The number of episodes that it took.
     pub runs: u32,
     /// Whether more runs were wanted than the limit allows. What was not asked by then is left out, and the weakness is
-    /// [`Weakness::NotFound`] if it hangs on that.
+    /// [`Weakness::NotFound`] if the cause depends on that.
     pub is_cut: bool,
 }
 
@@ -120,7 +120,7 @@ pub fn explain(incident: &Incident, questions: Questions, limit: RunLimit<'_>) -
         None => return None,
     };
     if it.is_cut {
-        // What was found up to here hangs on runs that are missing.
+        // What was found up to here depends on runs that are missing.
         cause = Cause::default();
     } else if questions > Questions::Weakness {
         cause.setting = it.setting(&Variable::of_driver(&parts.settings, &incident.scenario));

@@ -1,9 +1,10 @@
+use super::setting::rounded;
 use super::{Cause, TurnedBy};
 use crate::av::Weakness;
 
 impl Cause {
     /// The cause in a few sentences, without the name of the driver: `drives off after a red light, sees her for 2.4 s and does not brake: …`, then the setting
-    /// that avoids it, with what that costs.
+    /// that avoids it.
     pub fn sentence(&self) -> String {
         let cut = match self.is_cut {
             true => format!(" The limit of {} runs was reached, so not all was tried.", self.runs),
@@ -133,23 +134,35 @@ impl Cause {
 }
 
 impl TurnedBy {
-    /// As ``With `margin` of at least 0.7 m instead of 0.3 m it avoids it.``, with what it costs.
+    /// As ``With `margin` of at least 0.7 m instead of 0.3 m it avoids it.``, with the faults that it adds in natural episodes.
     pub fn text(&self) -> String {
-        let Self { name, unit, from, to, .. } = self;
-        let value = |value: f64| format!("{} {unit}", base::signature::short(value)).trim_end().to_string();
+        let Self { name, from, to, natural: [before, now], .. } = self;
         let bound = if to > from { "least" } else { "most" };
-        format!("With `{name}` of at {bound} {} instead of {} it avoids it. {}", value(*to), value(*from), self.cost())
+        let more = match now.faults > before.faults {
+            true => format!(
+                ", but has {} faults instead of {} in {} natural episodes",
+                now.faults, before.faults, now.episodes
+            ),
+            false => String::new(),
+        };
+        format!("With `{name}` of at {bound} {} instead of {} it avoids it{more}.", self.value(*to), self.value(*from))
     }
 
-    /// What it costs in natural crossings.
+    fn value(&self, value: f64) -> String {
+        format!("{} {}", base::signature::short(rounded(value, value.abs())), self.unit).trim_end().to_string()
+    }
+
+    /// What it costs in natural episodes.
     pub fn cost(&self) -> String {
         let [before, now] = &self.natural;
         let speed = |of: fn(&crate::hardening::Traffic) -> Option<f64>, traffic| of(traffic).unwrap_or(0.0);
         let (a, b) = (speed(|t| t.speed(), before), speed(|t| t.speed(), now));
         let (c, d) = (speed(|t| t.braking_rate(), before), speed(|t| t.braking_rate(), now));
         format!(
-            "In {} natural episodes it drives {b:.2} m/s on average instead of {a:.2} m/s, brakes hard in {:.0} % instead of {:.0} %, and has {} faults \
-             instead of {}.",
+            "With `{}` {}, in {} natural episodes it drives {b:.2} m/s on average instead of {a:.2} m/s, brakes hard in {:.0} % instead of {:.0} %, \
+             and has {} faults instead of {}.",
+            self.name,
+            self.value(self.to),
             now.episodes,
             100.0 * d,
             100.0 * c,

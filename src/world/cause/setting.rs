@@ -8,6 +8,8 @@ use crate::hardening::natural_traffic;
 /// Ratios of a setting's value that are tried, and values in its unit if it is 0.
 const RATIOS: [f64; 4] = [1.25, 1.6, 2.5, 5.0];
 const FROM_ZERO: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+/// Size of a change, as a logarithm of the ratio, below which a bisection stops: less shifts the timing alone.
+const LEAST_CHANGE: f64 = 0.05;
 /// Steps of a bisection.
 const HALVINGS: u32 = 6;
 /// Maximum number of settings whose cost is compared.
@@ -107,7 +109,7 @@ impl Variable {
                 }
                 for _ in 0..HALVINGS {
                     let middle = rounded((helps + fails) / 2.0, (helps - before).abs());
-                    if middle == helps || middle == fails {
+                    if middle == helps || middle == fails || size(middle) < LEAST_CHANGE {
                         break;
                     }
                     if turns(middle) { helps = middle } else { fails = middle }
@@ -166,7 +168,7 @@ fn driven_by(scenario: &Scenario, policy: PolicyMaker) -> Arc<Scenario> {
 }
 
 /// A value to about three digits of a change.
-fn rounded(value: f64, change: f64) -> f64 {
+pub(super) fn rounded(value: f64, change: f64) -> f64 {
     let digits = (2.0 - libm::floor(libm::log10(change.max(1e-9)))).clamp(0.0, 12.0) as usize;
     format!("{value:.digits$}").parse().unwrap_or(value)
 }

@@ -128,7 +128,7 @@ fn number_before(line: &[u8], end: usize) -> (&[u8], &[u8]) {
     (key, &line[first..after])
 }
 
-/// The first key of a greeting that is none of these, in words; a program that means another one hears of it.
+/// The first key of a greeting that is none of these, in words; the user is warned of it, with the nearest known key.
 pub(super) fn unknown_key(line: &[u8], keys: &[KeyOf]) -> Option<String> {
     let greeting: Map<String, Value> = serde_json::from_slice(line).ok()?;
     let known = || keys.iter().map(|(key, ..)| *key);
