@@ -29,7 +29,7 @@ impl WorkFolder {
         let _ = door.lock();
         for entry in fs::read_dir(root)?.flatten() {
             if is_ours(&entry.path()) && is_dead(&entry.path()) {
-                let _ = fs::remove_dir_all(entry.path());
+                let _ = remove(&entry.path());
             }
         }
         let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(root)?;
@@ -44,6 +44,20 @@ impl WorkFolder {
         fs::create_dir_all(self.folder.path())?;
         Ok(self.folder.path().to_path_buf())
     }
+}
+
+impl Drop for WorkFolder {
+    fn drop(&mut self) {
+        let _ = remove(self.folder.path());
+    }
+}
+
+/// Removes a folder, the file with our mark last: a process that is killed meanwhile leaves a folder that is still known as ours.
+fn remove(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)?.flatten().filter(|entry| entry.file_name() != LOCK) {
+        if entry.file_type()?.is_dir() { fs::remove_dir_all(entry.path())? } else { fs::remove_file(entry.path())? }
+    }
+    fs::remove_dir_all(folder)
 }
 
 /// The number of processes that have a folder here.
