@@ -30,10 +30,10 @@ training t = ppo(
   learning_rate_schedule: linear, normalize_observations: true{more}
 )
 campaign c {{
-  vehicle: model3  adversary: pursuer  spawn: ahead_of_a_moving_car  episode: until_passed
+  vehicle: model3  body: pursuer  spawn: ahead_of_a_moving_car  episode: until_passed
   training: t
-  train {{ towns: [harbour]  policies: [behavior]  rewards: [fault_led]  runs: 1 }}
-  evaluate {{ towns: [harbour]  policies: [behavior]  pedestrians: [trained]  episodes: 2 }}
+  train {{ towns: [harbour]  drivers: [behavior]  rewards: [fault_led]  runs: 1 }}
+  evaluate {{ towns: [harbour]  drivers: [behavior]  pedestrians: [trained]  episodes: 2 }}
 }}
 """
 

@@ -71,7 +71,7 @@ def built_in(decisions, runs):
     with tempfile.TemporaryDirectory() as folder:
         report = falsify_av.program.run(SCENARIO, out=folder, settings={"decisions": decisions}, show=True)
         table = next(iter(report.values())).table("metrics").to_pylist()
-    trained = next(row for row in table if row["metric"] == "collision_rate" and row["controller"] == "trained")
+    trained = next(row for row in table if row["metric"] == "collision_rate" and row["pedestrian"] == "trained")
     return [float(rate) for rate in trained["by_run"].split()][:runs]
 
 

@@ -7,8 +7,8 @@ that does not get there starts at rest. A method ``reset(hello, seed)`` is calle
 one: ``hello`` describes the car and has the ``parameters`` of the scenario, and ``seed`` is the only source of random numbers. A class with ``revision = 2`` also gets ``lanes``, and the ids
 of actors.
 
-``falsify_av.make("my.scn", driver=MyDriver)`` puts it in the place of the scenario's policy, in this process. ``serve(MyDriver)`` makes a program of
-it that campaigns name: ``policy mine = external(command: "python3 mine.py")``. The driver perceives and does the same in both. Each world has a
+``falsify_av.make("my.scn", own_driver=MyDriver)`` puts it in the place of the scenario's driver, in this process. ``serve(MyDriver)`` makes a program of
+it that campaigns name: ``driver mine = external(command: "python3 mine.py")``. The driver perceives and does the same in both. Each world has a
 driver of its own.
 """
 
@@ -142,7 +142,7 @@ def serve(make: Callable[[], Driver]) -> None:
 class OnnxDriver:
     """A network with the inputs ``ego``, ``actors`` and ``route`` as `scenarios/external/README.md` describes them.
 
-    A file that the program refuses raises a ``ValueError`` here, too. It runs in onnxruntime: ``driver=lambda: OnnxDriver("net.onnx")``, or with a session of your own. A scenario's ``policy p = onnx(model: …)``
+    A file that the program refuses raises a ``ValueError`` here, too. It runs in onnxruntime: ``own_driver=lambda: OnnxDriver("net.onnx")``, or with a session of your own. A scenario's ``driver p = onnx(model: …)``
     needs no onnxruntime. The two compute the same function with other last bits, so episodes drift apart: digests differ, outcomes seldom.
     """
 

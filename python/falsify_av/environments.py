@@ -1,9 +1,9 @@
 """Gymnasium environments of scenarios.
 
-An action is two numbers for each pedestrian: ``heading`` (rad, from the direction that the adversary's ``action_frame`` names, positive to
+An action is two numbers for each pedestrian: ``heading`` (rad, from the direction that the body's ``action_frame`` names, positive to
 the left) and ``speed`` (m/s). It is kept for the ticks that the scenario's ``hold`` says. An observation is four numbers for each pedestrian:
 ``bearing`` of the car (rad, positive to the left), ``distance`` between the centres (m), ``relative_heading`` of the car (rad) and ``speed``
-(m/s). An adversary with ``action_scaling: unit`` takes actions in [-1, 1], one with ``observation_scaling: unit`` gives states divided by
+(m/s). A body with ``action_scaling: unit`` takes actions in [-1, 1], one with ``observation_scaling: unit`` gives states divided by
 (pi, 30 m, pi, 8 m/s).
 """
 
@@ -36,12 +36,12 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
 
     Args:
         scenario: A scenario file, or several; without one the paper's scenario.
-        campaign, town, policy, reward, task, block: Names that choose one scenario of the files (:func:`falsify_av.scenarios` lists them).
+        campaign, town, driver, reward, task, block: Names that choose one scenario of the files (:func:`falsify_av.scenarios` lists them).
         seed: The seed until a reset gives another one; 1 is the default of the program, too.
         settings: Values of parameters and keys, as ``["far=20 m"]``.
         maps: OpenDRIVE files that replace the roads of towns.
         allow_external: Whether the scenario may start programs as drivers.
-        driver: A class, or a function without arguments, that makes the driver under test; it takes the place of the scenario's policy
+        own_driver: A class, or a function without arguments, that makes the driver under test; it takes the place of the scenario's driver
             (:mod:`falsify_av.drivers`). An exception of a driver is raised by the call in which it drove.
         render_mode: ``"rgb_array"`` for pictures from above (256 by 256 pixels, 60 m, north up), or none.
 
@@ -94,9 +94,9 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
         core = self._open()
         return core.picture(0, SIZE) if self.render_mode == "rgb_array" else None
 
-    def suggested(self, controller: str) -> NDArray[np.float64]:
-        """The action that the built-in controller ``"homing"`` or ``"intercept"`` would take now."""
-        return self._open().suggested(0, controller)
+    def suggested(self, pedestrian: str) -> NDArray[np.float64]:
+        """The action that the built-in pedestrian ``"homing"`` or ``"intercept"`` would take now."""
+        return self._open().suggested(0, pedestrian)
 
     def trace(self) -> dict[str, Any]:
         """The episode from tick to tick, as arrays (m, rad, s, m/s). Arrays of pedestrians have a column for each."""

@@ -92,7 +92,7 @@ class Walker:
 def onnx(path: str | os.PathLike[str]) -> Walker:
     """A pedestrian of an ONNX file, such as those in ``pedestrians`` of a report: one input of states, and actions as its output.
 
-    It needs ``pip install falsify-av[onnx]``. A scenario's ``controller mine = onnx(model: …)`` needs no onnxruntime. The two compute the same
+    It needs ``pip install falsify-av[onnx]``. A scenario's ``pedestrian mine = onnx(model: …)`` needs no onnxruntime. The two compute the same
     function with other last bits, so digests differ, outcomes seldom.
 
     Raises:
@@ -104,7 +104,7 @@ def onnx(path: str | os.PathLike[str]) -> Walker:
 def hunter(body: str = "adult") -> Walker:
     """The trained pedestrian that comes with the program: ``hunter``, or ``hunter_child`` for the body ``"child"``.
 
-    It walks in scenarios with the adversary ``pursuer`` (``child_pursuer``) and needs ``pip install falsify-av[onnx]``.
+    It walks in scenarios with the body ``pursuer`` (``child_pursuer``) and needs ``pip install falsify-av[onnx]``.
 
     Raises:
         ValueError: There is none with this body.

@@ -1,4 +1,4 @@
-"""A pedestrian that is a Python callable, as a program that campaigns name: ``controller mine = external(command: "python3 mine.py")``."""
+"""A pedestrian that is a Python callable, as a program that campaigns name: ``pedestrian mine = external(command: "python3 mine.py")``."""
 
 from __future__ import annotations
 

@@ -246,7 +246,7 @@ def export(
         form: A format of ``falsify export --formats``, such as ``"xosc-1.3"``.
         report: A report, or a folder of reports.
         to: The folder for the files.
-        ego: ``"recorded"``: the ego follows its recorded track; ``"user"``: it starts as recorded, and your controller drives it.
+        ego: ``"recorded"``: the ego follows its recorded track; ``"user"``: it starts as recorded, and your driver drives it.
         arguments: Further arguments of ``falsify export``.
     """
     folder = Path(to)

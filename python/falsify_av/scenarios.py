@@ -37,7 +37,7 @@ class Selection(Reading, total=False):
     """Names that choose one scenario of files, besides that of its campaign."""
 
     town: str | None
-    policy: str | None
+    driver: str | None
     reward: str | None
     #: ``train``, ``evaluate`` or ``search``.
     task: str | None
@@ -145,5 +145,5 @@ def check(files: Files, **reading: Unpack[Reading]) -> list[Diagnostic]:
 
 def scenarios(files: Files | None = None, **reading: Unpack[Reading]) -> list[dict[str, Any]]:
     """List the scenarios of the files: the names that :func:`falsify_av.make` chooses one by."""
-    keys = ("campaign", "task", "block", "town", "policy", "reward")
+    keys = ("campaign", "task", "block", "town", "driver", "reward")
     return [dict(zip(keys, names)) for names in load(files, reading).choices()]

@@ -31,8 +31,8 @@ _FAILED = 0.05
 class Options(Selection, total=False):
     """The options of environments besides the scenario, its campaign and the seed."""
 
-    #: A class, or a function without arguments, that makes the driver under test; it takes the place of the scenario's policy.
-    driver: Callable[[], Driver] | None
+    #: A class, or a function without arguments, that makes the driver under test; it takes the place of the scenario's driver.
+    own_driver: Callable[[], Driver] | None
 
 
 class RunUpWarning(UserWarning):
@@ -74,7 +74,7 @@ def action_space(worlds: _core.Worlds, agent: int | None = None) -> spaces.Space
 def make_worlds(count: int, scenario: Files | None, seed: int, options: Mapping[str, Any]) -> _core.Worlds:
     """Worlds of one scenario of the files; ``options`` are those of :func:`make`."""
     options = dict(options)
-    driver = options.pop("driver", None)
+    driver = options.pop("own_driver", None)
     made = None if driver is None else answering(driver)
     return choose(scenario, options).worlds(count, checked_seed(seed), made)
 

@@ -170,7 +170,7 @@ fn unreadable(error: Unreadable) -> PyErr {
 
 #[pymethods]
 impl Scenarios {
-    /// The names of every scenario: campaign, task, block, town, policy, reward.
+    /// The names of every scenario: campaign, task, block, town, driver, reward.
     fn choices(&self) -> Vec<(String, &'static str, u32, String, String, String)> {
         let names = |each: &Choice| {
             let (campaign, town, policy, reward) = each.names();
@@ -181,12 +181,12 @@ impl Scenarios {
 
     /// The scenario with these names. Names that are not given must leave one choice; of several blocks with it the first one counts, in the
     /// order `train`, `evaluate`, `search`.
-    #[pyo3(signature = (campaign=None, town=None, policy=None, reward=None, task=None, block=None))]
+    #[pyo3(signature = (campaign=None, town=None, driver=None, reward=None, task=None, block=None))]
     fn choose(
         &self,
         campaign: Option<&str>,
         town: Option<&str>,
-        policy: Option<&str>,
+        driver: Option<&str>,
         reward: Option<&str>,
         task: Option<&str>,
         block: Option<u32>,
@@ -199,7 +199,7 @@ impl Scenarios {
         narrow(&mut left, "task", task, |each| each.task.into())?;
         narrow(&mut left, "block", block.map(|block| block.to_string()).as_deref(), |each| each.block.to_string())?;
         narrow(&mut left, "town", town, |each| each.town.clone())?;
-        narrow(&mut left, "policy", policy, |each| each.policy.clone())?;
+        narrow(&mut left, "driver", driver, |each| each.policy.clone())?;
         narrow(&mut left, "reward", reward, |each| each.reward.clone())?;
         let first = left[0];
         let place = |name: &str, of: fn(&Choice) -> &str| {
@@ -210,7 +210,7 @@ impl Scenarios {
         let open: Vec<String> = [
             place("campaign", |each| &each.campaign),
             place("town", |each| &each.town),
-            place("policy", |each| &each.policy),
+            place("driver", |each| &each.policy),
             place("reward", |each| &each.reward),
         ]
         .into_iter()

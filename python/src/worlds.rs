@@ -269,12 +269,12 @@ impl Worlds {
         episode::trace(py, &scenario, world.trace())
     }
 
-    /// The action that a built-in controller, `homing` or `intercept`, would take now in a world.
+    /// The action that a built-in pedestrian, `homing` or `intercept`, would take now in a world.
     fn suggested<'py>(
         &mut self,
         py: Python<'py>,
         world: usize,
-        controller: &str,
+        pedestrian: &str,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let scenario = self.scenario.clone();
         let world = self.world(world)?;
@@ -282,12 +282,12 @@ impl Worlds {
             return Err(PyRuntimeError::new_err("there is no episode yet; call reset first"));
         }
         let scene = world.simulation().scene();
-        let command = |pedestrian| -> PyResult<WalkCommand> {
-            match controller {
-                "homing" => Ok(scene.homing(pedestrian)),
-                "intercept" => Ok(scene.intercept(pedestrian)),
+        let command = |number| -> PyResult<WalkCommand> {
+            match pedestrian {
+                "homing" => Ok(scene.homing(number)),
+                "intercept" => Ok(scene.intercept(number)),
                 other => {
-                    Err(PyValueError::new_err(format!("there is no controller `{other}`; there is homing, intercept")))
+                    Err(PyValueError::new_err(format!("unknown pedestrian `{other}`; there is homing, intercept")))
                 }
             }
         };

@@ -14,7 +14,7 @@ import falsify_av
 from falsify_av import drivers
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-CHOICE = {"campaign": "short", "town": "harbour", "policy": "behavior", "task": "train"}
+CHOICE = {"campaign": "short", "town": "harbour", "driver": "behavior", "task": "train"}
 
 
 def test_a_class_answers_as_the_protocol_says():
@@ -74,10 +74,10 @@ def test_a_driver_in_process_drives_as_the_same_program(tmp_path):
     source = inspect.getsource(Cruise)
     (tmp_path / "mine.py").write_text(f"import math\nfrom falsify_av import drivers\n\n{source}\ndrivers.serve(Cruise)\n")
     text = Path(__file__).with_name("short.scn").read_text()
-    named = f'policy mine = external(command: "{sys.executable} mine.py", timeout: 60 s, start_timeout: 60 s)\nepisode ten'
+    named = f'driver mine = external(command: "{sys.executable} mine.py", timeout: 60 s, start_timeout: 60 s)\nepisode ten'
     (tmp_path / "mine.scn").write_text(text.replace("episode ten", named, 1).replace("[behavior, blind]", "[mine]", 1))
     program = falsify_av.make(tmp_path / "mine.scn", campaign="short", town="harbour", task="train", allow_external=True)
-    inside = falsify_av.make(Path(__file__).with_name("short.scn"), driver=Cruise, **CHOICE)
+    inside = falsify_av.make(Path(__file__).with_name("short.scn"), own_driver=Cruise, **CHOICE)
     compared = list(zip(walk(program, 8), walk(inside, 8)))
     for one, two in compared:
         assert one["error"] == "" and one["ticks"] > 5, one
@@ -101,7 +101,7 @@ def test_a_driver_is_reset_with_the_seed_of_the_episode(scenario):
         def drive(self, world):
             return {"brake": 1.0, "mode": "emergency_stop"}
 
-    env = falsify_av.make(scenario, driver=Standing, **CHOICE)
+    env = falsify_av.make(scenario, own_driver=Standing, **CHOICE)
     ends = list(walk(env, 4))
     assert all(end["driving_mode"] == "emergency_stop" for end in ends)
     [driver] = made
@@ -112,8 +112,8 @@ def test_a_driver_is_reset_with_the_seed_of_the_episode(scenario):
 
 
 def test_each_world_has_a_driver_and_the_numbers_of_single_ones(scenario):
-    vector = falsify_av.make_vec(scenario, 3, driver=Cruise, **CHOICE)
-    singles = [falsify_av.make(scenario, seed=1 + world, driver=Cruise, **CHOICE) for world in range(3)]
+    vector = falsify_av.make_vec(scenario, 3, own_driver=Cruise, **CHOICE)
+    singles = [falsify_av.make(scenario, seed=1 + world, own_driver=Cruise, **CHOICE) for world in range(3)]
     states, _ = vector.reset(seed=1)
     assert np.array_equal(states, np.stack([env.reset(seed=1 + world)[0] for world, env in enumerate(singles)]))
     actions = np.zeros((3, 2), np.float32)
@@ -133,8 +133,8 @@ def test_a_driver_is_evaluated(scenario):
         def drive(self, world):
             return {"throttle": 0.8}
 
-    rows = falsify_av.evaluate(standing, scenario, episodes=8, num_envs=4, driver=Blind, **CHOICE)
-    again = falsify_av.evaluate(standing, scenario, episodes=8, num_envs=1, driver=Blind, **CHOICE)
+    rows = falsify_av.evaluate(standing, scenario, episodes=8, num_envs=4, own_driver=Blind, **CHOICE)
+    again = falsify_av.evaluate(standing, scenario, episodes=8, num_envs=1, own_driver=Blind, **CHOICE)
     assert [row["digest"] for row in rows] == [row["digest"] for row in again]
     other = falsify_av.evaluate(standing, scenario, episodes=8, **CHOICE)
     assert [row["digest"] for row in rows] != [row["digest"] for row in other]
@@ -145,7 +145,7 @@ def test_exceptions_of_a_driver_are_its_own(scenario):
         def drive(self, world):
             raise ZeroDivisionError("no brakes")
 
-    env = falsify_av.make(scenario, driver=Broken, **CHOICE)
+    env = falsify_av.make(scenario, own_driver=Broken, **CHOICE)
     for _ in range(3):
         with pytest.raises(ZeroDivisionError, match="no brakes"):
             env.reset(seed=1)
@@ -155,7 +155,7 @@ def test_exceptions_of_a_driver_are_its_own(scenario):
         def drive(self, world):
             return None
 
-    env = falsify_av.make_vec(scenario, 2, driver=Silent, **CHOICE)
+    env = falsify_av.make_vec(scenario, 2, own_driver=Silent, **CHOICE)
     with pytest.raises(TypeError, match="drive returned NoneType"):
         env.reset(seed=1)
         env.step(np.zeros((2, 2), np.float32))
@@ -168,11 +168,11 @@ def test_exceptions_of_a_driver_are_its_own(scenario):
             return {}
 
     with pytest.raises(OSError, match="no weights"):
-        env = falsify_av.make(scenario, driver=Unready, **CHOICE)
+        env = falsify_av.make(scenario, own_driver=Unready, **CHOICE)
         env.reset(seed=1)
         env.step(np.zeros(2, np.float32))
     with pytest.raises(TypeError, match="give a class"):
-        falsify_av.make(scenario, driver="behavior", **CHOICE)
+        falsify_av.make(scenario, own_driver="behavior", **CHOICE)
 
 
 @pytest.mark.parametrize(
@@ -199,20 +199,20 @@ def test_wrong_answers_are_exceptions_that_name_the_key(scenario, control, error
     def standing(states):
         return np.zeros((len(states), 2))
 
-    env = falsify_av.make(scenario, driver=Mistaken, **CHOICE)
+    env = falsify_av.make(scenario, own_driver=Mistaken, **CHOICE)
     env.reset(seed=1)
     with pytest.raises(error) as raised:
         env.step(np.zeros(2, np.float32))
     assert str(raised.value).startswith("the driver gave a wrong answer: ") and text in str(raised.value)
     with pytest.raises(error):
-        falsify_av.evaluate(standing, scenario, episodes=3, driver=Mistaken, **CHOICE)
+        falsify_av.evaluate(standing, scenario, episodes=3, own_driver=Mistaken, **CHOICE)
 
 
 def test_a_driver_that_cannot_be_greeted_is_an_exception(scenario):
     class Newer(Cruise):
         revision = 3
 
-    env = falsify_av.make(scenario, driver=Newer, **CHOICE)
+    env = falsify_av.make(scenario, own_driver=Newer, **CHOICE)
     env.reset(seed=1)
     with pytest.raises(ValueError, match="the driver greeted wrongly"):
         env.step(np.zeros(2, np.float32))
@@ -220,7 +220,7 @@ def test_a_driver_that_cannot_be_greeted_is_an_exception(scenario):
     class Idle:
         pass
 
-    env = falsify_av.make(scenario, driver=Idle, **CHOICE)
+    env = falsify_av.make(scenario, own_driver=Idle, **CHOICE)
     env.reset(seed=1)
     with pytest.raises(TypeError, match="the driver is Idle, which has no method `drive`"):
         env.step(np.zeros(2, np.float32))
@@ -230,11 +230,11 @@ def test_a_network_drives_as_in_the_language(tmp_path):
     pytest.importorskip("onnxruntime")
     model = REPOSITORY / "tests/reference/onnx/follow.onnx"
     text = Path(__file__).with_name("short.scn").read_text()
-    text = text.replace("episode ten", f'policy net = onnx(model: "{model}")\nepisode ten', 1).replace("[behavior, blind]", "[net]", 1)
+    text = text.replace("episode ten", f'driver net = onnx(model: "{model}")\nepisode ten', 1).replace("[behavior, blind]", "[net]", 1)
     (tmp_path / "net.scn").write_text(text)
-    choice = {**CHOICE, "policy": "net"}
+    choice = {**CHOICE, "driver": "net"}
     ours = list(walk(falsify_av.make(tmp_path / "net.scn", **choice), 5))
-    other = list(walk(falsify_av.make(tmp_path / "net.scn", driver=lambda: drivers.OnnxDriver(model), **choice), 5))
+    other = list(walk(falsify_av.make(tmp_path / "net.scn", own_driver=lambda: drivers.OnnxDriver(model), **choice), 5))
     assert [end["outcome"] for end in ours] == [end["outcome"] for end in other]
     for one, two in zip(ours, other):
         assert one["least_gap_m"] == pytest.approx(two["least_gap_m"], abs=0.05)
@@ -290,11 +290,11 @@ def test_a_network_walks_as_a_program_as_it_is_evaluated(program, tmp_path):
     command = f"{sys.executable} NAME.py"
     (tmp_path / "a.scn").write_text(
         'edition 1\nimport "std/paper.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
-        f'controller network = external(command: "{command.replace("NAME", "network")}", timeout: 60 s)\n'
-        f'controller plain = external(command: "{command.replace("NAME", "served")}", timeout: 60 s)\n'
+        f'pedestrian network = external(command: "{command.replace("NAME", "network")}", timeout: 60 s)\n'
+        f'pedestrian plain = external(command: "{command.replace("NAME", "served")}", timeout: 60 s)\n'
         "episode brief { ticks: 100 }\n"
-        "campaign a { vehicle: model3 adversary: suicidal spawn: ahead episode: brief\n"
-        "evaluate { towns: [harbour] policies: [behavior] pedestrians: [network, plain] episodes: 4 } }\n"
+        "campaign a { vehicle: model3 body: suicidal spawn: ahead episode: brief\n"
+        "evaluate { towns: [harbour] drivers: [behavior] pedestrians: [network, plain] episodes: 4 } }\n"
     )
     falsify_av.run(tmp_path / "a.scn", out=tmp_path / "out", seed=5, allow_external=True)
     table = parquet.read_table(tmp_path / "out/a/episodes.parquet").to_pylist()
@@ -305,7 +305,7 @@ def test_a_network_walks_as_a_program_as_it_is_evaluated(program, tmp_path):
         sys.path.remove(str(tmp_path))
     for name, choose in {"network": falsify_av.onnx(tmp_path / "walker.onnx"), "plain": plain.choose}.items():
         rows = falsify_av.evaluate(choose, tmp_path / "a.scn", episodes=4, seed=5, allow_external=True)
-        assert [row["digest"] for row in rows] == [row["digest"] for row in table if row["controller"] == name], name
+        assert [row["digest"] for row in rows] == [row["digest"] for row in table if row["pedestrian"] == name], name
 
 
 def test_drivers_and_pedestrians_serve_as_programs(program, tmp_path):
@@ -319,16 +319,16 @@ def test_drivers_and_pedestrians_serve_as_programs(program, tmp_path):
     python = sys.executable
     (tmp_path / "a.scn").write_text(
         'edition 1\nimport "std/paper.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
-        f'policy mine = external(command: "{python} driver.py", timeout: 60 s)\n'
-        f'controller own = external(command: "{python} walker.py", timeout: 60 s)\n'
+        f'driver mine = external(command: "{python} driver.py", timeout: 60 s)\n'
+        f'pedestrian own = external(command: "{python} walker.py", timeout: 60 s)\n'
         "episode brief { ticks: 100 }\n"
-        "campaign a { vehicle: model3 adversary: suicidal spawn: ahead episode: brief\n"
-        "evaluate { towns: [harbour] policies: [mine, behavior] pedestrians: [own, homing] episodes: 6 } }\n"
+        "campaign a { vehicle: model3 body: suicidal spawn: ahead episode: brief\n"
+        "evaluate { towns: [harbour] drivers: [mine, behavior] pedestrians: [own, homing] episodes: 6 } }\n"
     )
     command = [program, "run", "--allow-external", "--out", tmp_path / "out", tmp_path / "a.scn"]
     ended = subprocess.run(command, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
     pytest.importorskip("pyarrow")
     rows = falsify_av.program.reports(tmp_path / "out")["a"].table("episodes").to_pylist()
-    digests = {who: [row["digest"] for row in rows if row["controller"] == who] for who in ("own", "homing")}
+    digests = {who: [row["digest"] for row in rows if row["pedestrian"] == who] for who in ("own", "homing")}
     assert len(digests["own"]) == 12 and digests["own"] == digests["homing"], json.dumps(digests)

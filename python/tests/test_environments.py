@@ -12,7 +12,7 @@ import falsify_av
 
 CAST = Path(__file__).with_name("cast.scn")
 CHOICES = [
-    {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"},
+    {"campaign": "short", "town": "harbour", "driver": "blind", "task": "train"},
     {"campaign": "steady"},
 ]
 
@@ -91,7 +91,7 @@ def test_an_episode_has_the_same_start_whatever_was_run_before(scenario):
 
 
 def test_the_end_of_an_episode_has_a_verdict(scenario):
-    env = falsify_av.make(scenario, campaign="short", town="harbour", policy="blind", task="train")
+    env = falsify_av.make(scenario, campaign="short", town="harbour", driver="blind", task="train")
     labels = set()
     for episode in range(30):
         env.reset(seed=0, options={"episode": episode})

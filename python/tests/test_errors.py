@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode
 
 import falsify_av
 
-CHOICE = {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"}
+CHOICE = {"campaign": "short", "town": "harbour", "driver": "blind", "task": "train"}
 
 
 def test_a_wrong_scenario_is_an_exception_with_the_text_and_the_place(tmp_path):
@@ -27,7 +27,7 @@ def test_a_wrong_scenario_is_an_exception_with_the_text_and_the_place(tmp_path):
     [
         ({"campaign": "nothing"}, "there is no campaign `nothing` here; there is short, steady"),
         ({"campaign": "short", "town": "atlantis"}, "there is no town `atlantis` here; there is harbour, village"),
-        ({"campaign": "short", "town": "harbour", "reward": "r2"}, "choose with policy= one of behavior, blind"),
+        ({"campaign": "short", "town": "harbour", "reward": "r2"}, "choose with driver= one of behavior, blind"),
         ({**CHOICE, "seed": -1}, "the seed is -1"),
         ({**CHOICE, "render_mode": "human"}, "there is no render mode 'human'; there is 'rgb_array', which gymnasium.wrappers.HumanRendering shows"),
         ({**CHOICE, "maps": {"nowhere": "a.xodr"}}, "`nowhere`, which nothing uses"),
@@ -161,7 +161,7 @@ def test_ten_thousand_random_sequences_of_calls_raise_or_return(scenario):
 
 @pytest.mark.parametrize("number", [1.5, "3", None, [1]])
 def test_seeds_and_episodes_are_whole_numbers(scenario, number):
-    env = falsify_av.make(scenario, campaign="short", town="harbour", policy="blind", task="train")
+    env = falsify_av.make(scenario, campaign="short", town="harbour", driver="blind", task="train")
     if number is not None:
         with pytest.raises(TypeError, match="the seed is .*, which is no whole number"):
             env.reset(seed=number)
@@ -172,12 +172,12 @@ def test_seeds_and_episodes_are_whole_numbers(scenario, number):
 
 def test_names_and_places_are_alike_everywhere(scenario):
     assert falsify_av.ProgramError is falsify_av.program.ProgramError
-    choice = {"town": "harbour", "policy": "blind", "task": "train"}
+    choice = {"town": "harbour", "driver": "blind", "task": "train"}
     one, many = falsify_av.make(scenario, "short", **choice), falsify_av.make_vec(scenario, 2, "short", **choice)
     assert np.array_equal(one.reset(seed=1)[0], many.reset(seed=1)[0][0])
 
 
 def test_a_program_that_may_not_be_started_names_the_argument_of_python(tmp_path):
-    (tmp_path / "a.scn").write_text('edition 1\npolicy mine = external(command: "python3 mine.py")\n')
+    (tmp_path / "a.scn").write_text('edition 1\ndriver mine = external(command: "python3 mine.py")\n')
     [found] = falsify_av.check(tmp_path / "a.scn")
     assert found.code == "external-not-allowed" and "allow_external=True" in str(found)

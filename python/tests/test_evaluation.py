@@ -6,7 +6,7 @@ import pytest
 import falsify_av
 from falsify_av import program as falsify
 
-CHOICE = {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"}
+CHOICE = {"campaign": "short", "town": "harbour", "driver": "blind", "task": "train"}
 
 
 def homing(states):

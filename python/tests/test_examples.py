@@ -22,9 +22,9 @@ def report(program, tmp_path):
     """A report of the campaign that pages of stacks have, with drivers of ours."""
     (tmp_path / "a.scn").write_text(
         f'edition 1\nimport "{REPOSITORY.as_posix()}/scenarios/external/stack_search.scn"\n'
-        "campaign a { vehicle: model3 adversary: pursuer spawn: ahead_of_a_moving_car episode: until_passed\n"
-        "evaluate { towns: [harbour] policies: [idm, blind] pedestrians: [natural, intercept] episodes: 40 }\n"
-        "search { towns: [harbour] policies: [idm, blind] falsifiers: [faults] budget: 2_000 runs: 1 episodes: 0 } }\n"
+        "campaign a { vehicle: model3 body: pursuer spawn: ahead_of_a_moving_car episode: until_passed\n"
+        "evaluate { towns: [harbour] drivers: [idm, blind] pedestrians: [natural, intercept] episodes: 40 }\n"
+        "search { towns: [harbour] drivers: [idm, blind] methods: [faults] budget: 2_000 runs: 1 episodes: 0 } }\n"
     )
     return falsify_av.run(tmp_path / "a.scn", out=tmp_path / "1")["a"].folder
 

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 BEFORE = """
 import sys
 import numpy as np, falsify_av
-choice = dict(campaign="short", town="harbour", policy="blind", task="train")
+choice = dict(campaign="short", town="harbour", driver="blind", task="train")
 env = falsify_av.make_vec(sys.argv[1], 64, **choice)
 def begun():
     print("begun", flush=True)
@@ -85,7 +85,7 @@ except KeyboardInterrupt:
 
 
 def test_progress_counts_to_the_end(scenario, capsys):
-    choice = {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"}
+    choice = {"campaign": "short", "town": "harbour", "driver": "blind", "task": "train"}
     seen = []
 
     def walk(states):

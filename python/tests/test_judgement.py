@@ -36,10 +36,10 @@ def episodes(scenario, count, **choice):
         yield ego, walked, info
 
 
-@pytest.mark.parametrize("policy", ["behavior", "blind"])
+@pytest.mark.parametrize("driver", ["behavior", "blind"])
 @pytest.mark.parametrize("town", ["harbour", "village"])
-def test_an_episode_of_ours_has_its_own_verdict(scenario, town, policy):
-    choice = {"campaign": "short", "town": town, "policy": policy}
+def test_an_episode_of_ours_has_its_own_verdict(scenario, town, driver):
+    choice = {"campaign": "short", "town": town, "driver": driver}
     verdicts, same = set(), []
     for ego, walked, info in episodes(scenario, 30, **choice):
         if info["outcome"] not in ("collision", "bump", "timeout", "lost"):
@@ -199,8 +199,8 @@ requirement slow_pass = always(gap < 1.5 m implies ego_speed < 3 m/s)
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }
 episode until_passed { ticks: 160  hold: 10  end_when: ahead < -6 m }
 campaign mine {
-  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed  requirements: [slow_pass, keeps_lane]
-  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [intercept]  episodes: 40 }
+  vehicle: model3  body: plausible  spawn: near  episode: until_passed  requirements: [slow_pass, keeps_lane]
+  evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [intercept]  episodes: 40 }
 }
 """
 

@@ -34,9 +34,9 @@ def test_a_pedestrian_of_a_report_walks_in_python(program, tmp_path):
         "training brisk = ppo(steps: 300, normalize_observations: true)\n"
         "spawn near { ego_speed: 4 m/s .. 8 m/s  bearing: -60 deg .. 60 deg  distance: 7 m .. 20 m }\n"
         "episode brief { ticks: 100 }\n"
-        "campaign a { vehicle: model3 adversary: suicidal spawn: near episode: brief training: brisk\n"
-        "train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }\n"
-        "evaluate { towns: [harbour] policies: [behavior] pedestrians: [trained] episodes: 20 } }\n"
+        "campaign a { vehicle: model3 body: suicidal spawn: near episode: brief training: brisk\n"
+        "train { towns: [harbour] drivers: [behavior] rewards: [r2] runs: 1 }\n"
+        "evaluate { towns: [harbour] drivers: [behavior] pedestrians: [trained] episodes: 20 } }\n"
     )
     report = falsify_av.run(tmp_path / "a.scn", out=tmp_path / "out")["a"].folder
     [file] = report.glob("pedestrians/*.onnx")
@@ -59,8 +59,8 @@ def test_the_shipped_pedestrian_walks_in_python_as_in_the_program(program, tmp_p
         'edition 1\nimport "std/pedestrians.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
         "spawn ahead { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }\n"
         "episode brief { hold: 10 ticks: 240 end_when: ahead < -6 m }\n"
-        "campaign a { vehicle: model3 adversary: pursuer spawn: ahead episode: brief\n"
-        "evaluate { towns: [harbour] policies: [behavior] pedestrians: [hunter] episodes: 60 } }\n"
+        "campaign a { vehicle: model3 body: pursuer spawn: ahead episode: brief\n"
+        "evaluate { towns: [harbour] drivers: [behavior] pedestrians: [hunter] episodes: 60 } }\n"
     )
     report = falsify_av.run(tmp_path / "a.scn", out=tmp_path / "out")["a"].folder
     with open(report / "episodes.csv", encoding="utf-8") as table:
@@ -81,7 +81,7 @@ def test_a_network_for_one_state_walks_in_many_worlds(scenario, tmp_path, kind):
     single = falsify_av.onnx(network(tmp_path / "single.onnx", {"state": [1, 4]}, 2, kind))
     states = np.arange(12, dtype=np.float32).reshape(3, 4)
     assert single(states).tolist() == [[6.0, 6.0], [22.0, 22.0], [38.0, 38.0]]
-    choice = {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"}
+    choice = {"campaign": "short", "town": "harbour", "driver": "blind", "task": "train"}
     many, alone = (falsify_av.evaluate(single, scenario, episodes=6, num_envs=worlds, **choice) for worlds in (6, 1))
     assert [row["digest"] for row in many] == [row["digest"] for row in alone]
 

@@ -34,7 +34,7 @@ def test_the_driver_of_the_page_reaches_its_starts(tmp_path, monkeypatch):
     def homing(states):
         return np.tile([0.0, 3.0], (len(states), 1))
 
-    choice = {"campaign": "mine", "town": "harbour", "policy": "behavior", "reward": "r2", "driver": Counted}
+    choice = {"campaign": "mine", "town": "harbour", "driver": "behavior", "reward": "r2", "own_driver": Counted}
     rows = falsify_av.evaluate(homing, "my.scn", episodes=40, **choice)
     assert [row["episode"] for row in rows if row["placed"]] == []
     assert all(row["run_up_ticks"] > 0 and row["error"] == "" for row in rows)
@@ -51,7 +51,7 @@ def test_a_driver_that_does_not_steer_is_told(tmp_path):
         def drive(self, world):
             return {"throttle": 0.4}
 
-    choice = {"campaign": "mine", "town": "harbour", "policy": "behavior", "reward": "r2", "driver": Straight}
+    choice = {"campaign": "mine", "town": "harbour", "driver": "behavior", "reward": "r2", "own_driver": Straight}
     with pytest.warns(falsify_av.RunUpWarning, match=r"did not reach its start in \d+ of 8 run-ups.*`route`"):
         rows = falsify_av.evaluate(lambda states: np.zeros((len(states), 2)), scenario, episodes=8, **choice)
     placed = next(row["episode"] for row in rows if row["placed"])

@@ -25,7 +25,7 @@ def test_digests_are_those_of_the_program(program, tmp_path):
         env.reset(seed=9, options={"episode": int(row["episode"])})
         over = False
         while not over:
-            _, _, terminated, truncated, info = env.step(env.suggested(row["controller"]))
+            _, _, terminated, truncated, info = env.step(env.suggested(row["pedestrian"]))
             over = terminated or truncated
         for column in ("start", "digest", "outcome"):
             assert info[column] == row[column], column
@@ -40,7 +40,7 @@ def test_a_replay_has_the_digest(program, tmp_path):
     out = tmp_path / "reports"
     subprocess.run([program, "run", str(WALKED), "--out", str(out)], check=True, capture_output=True)
     with next(out.rglob("episodes.csv")).open() as file:
-        row = next(row for row in csv.DictReader(file) if row["controller"] == "homing" and row["outcome"] == "collision")
+        row = next(row for row in csv.DictReader(file) if row["pedestrian"] == "homing" and row["outcome"] == "collision")
     name = f"{row['run_id']}:{row['episode']}"
     replayed = subprocess.run([program, "replay", name, "--report", str(out), "--json"], check=True, capture_output=True).stdout
     env = falsify_av.make(WALKED)

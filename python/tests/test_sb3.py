@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor  # noqa: E4
 
 from falsify_av import sb3  # noqa: E402
 
-CHOICE = {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"}
+CHOICE = {"campaign": "short", "town": "harbour", "driver": "blind", "task": "train"}
 
 
 @pytest.mark.parametrize("choice", [CHOICE, {"campaign": "steady"}], ids=["natural", "scaled"])

@@ -24,7 +24,7 @@ def test_each_kind_of_pedestrian_walks_in_another_simulator(world: str, program:
         pytest.skip(missing)
     text = Path(__file__).with_name("walkers.scn").read_text().replace("../../scenarios", SCENARIOS.as_posix())
     if world == "sumo":
-        text = text.replace("metadrive", world).replace("there = cruise()", 'there = native(driver: "EIDM")')
+        text = text.replace("metadrive", world).replace("there = cruise()", 'there = native(name: "EIDM")')
     (tmp_path / "walkers.scn").write_text(text)
     shutil.copy(SCENARIOS / "external" / "my_pedestrian.py", tmp_path)
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
@@ -36,7 +36,7 @@ def test_each_kind_of_pedestrian_walks_in_another_simulator(world: str, program:
     falsify("run", "--out", "out", "walkers.scn")
     tables = [(tmp_path / "out" / report / "episodes.csv").read_text() for report in ("walkers", "program")]
     rows = [row for table in tables for row in csv.DictReader(table.splitlines())]
-    walked = {(row["controller"], row["world"]) for row in rows if not row["error"] and not row["left_out"]}
+    walked = {(row["pedestrian"], row["world"]) for row in rows if not row["error"] and not row["left_out"]}
     assert walked == {(name, world) for name in ("trained", "hunter", "intercept", "natural", "program")}
     assert all(row["error"] == "" for row in rows)
     if world == "metadrive":

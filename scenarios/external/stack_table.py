@@ -29,12 +29,12 @@ def main(folders):
     episodes, searches, fastest = {}, {}, {}
     for folder in folders:
         for row in read(folder, "episodes"):
-            episodes.setdefault(row["policy"], {})[folder, row["controller"], row["episode"]] = row
+            episodes.setdefault(row["driver"], {})[folder, row["pedestrian"], row["episode"]] = row
         for row in read(folder, "searches"):
-            searches.setdefault(row["policy"], []).append(row)
+            searches.setdefault(row["driver"], []).append(row)
         for row in read(folder, "failures"):
             if row["fault"] == "true" and row["impact_speed_mps"]:
-                fastest[row["policy"]] = max(fastest.get(row["policy"], 0.0), float(row["impact_speed_mps"]))
+                fastest[row["driver"]] = max(fastest.get(row["driver"], 0.0), float(row["impact_speed_mps"]))
     print("| driver | `natural`: faults | hits | `intercept`: faults | hits | braked needlessly | search: starts with a fault | fastest (m/s) |")
     print("|---|--:|--:|--:|--:|--:|--:|--:|")
     for policy, rows in episodes.items():

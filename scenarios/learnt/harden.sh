@@ -30,11 +30,11 @@ train() {
     names=seldom_heedful
     for attacker in $attackers; do
       name=attacker$(echo "$names" | wc -w)
-      echo "controller $name = onnx(model: \"$attacker\")"
+      echo "pedestrian $name = onnx(model: \"$attacker\")"
       names="$names, $name"
     done
     echo "campaign school {"
-    echo "  vehicle: model3  adversary: walker  spawn: ahead_of_a_moving_car  episode: until_passed  training: driving"
+    echo "  vehicle: model3  body: walker  spawn: ahead_of_a_moving_car  episode: until_passed  training: driving"
     echo "  drive { towns: [harbour, village, town01_outline]  imitates: idm  pedestrians: [$names]  demonstrations: $demonstrations }"
     echo "}"
   } > "$out/$1.scn"

@@ -108,9 +108,9 @@ def main(reports):
         for row in runs:
             simulations = int(row["episodes"]) + int(row["left_out_episodes"])
             first = row["first_failure_simulations"]
-            rows.append((METHODS[row["falsifier"]], GOALS[int(row["block"])], row["policy"], seed, int(row["failed_starts"]), int(row["starts"]), simulations, int(first) if first else None))
-        for row in (row for row in runs if row["falsifier"] == "kinds"):
-            goal, policy = GOALS[int(row["block"])], row["policy"]
+            rows.append((METHODS[row["method"]], GOALS[int(row["block"])], row["driver"], seed, int(row["failed_starts"]), int(row["starts"]), simulations, int(first) if first else None))
+        for row in (row for row in runs if row["method"] == "kinds"):
+            goal, policy = GOALS[int(row["block"])], row["driver"]
             budget = int(row["episodes"]) + int(row["left_out_episodes"])
             env = falsify_av.make(str(SCENARIO), "requirements", task="search", block=int(row["block"]), town="harbour", policy=policy, reward="fault", seed=seed)
             info = simulate(env, 0, lambda time: [0.0, 0.0])

@@ -58,7 +58,7 @@ def episodes(folder, seed):
     for row in read(folder, "episodes"):
         if not row["error"] and row["left_out"] in ("", "false"):
             row["impact_speed_mps"] = speeds.get((row["run_id"], row["episode"]))
-            groups.setdefault((row["policy"], row["controller"], row["town"]), []).append(row)
+            groups.setdefault((row["driver"], row["pedestrian"], row["town"]), []).append(row)
     for (policy, controller, town), rows in groups.items():
         yield summary(policy, controller, town, seed, rows)
 
@@ -94,7 +94,7 @@ def searches(folder, seed):
     for row in read(folder, "searches"):
         those = faults.get(row["run_id"], [])
         yield {
-            "driver": row["policy"],
+            "driver": row["driver"],
             "pedestrian": "search",
             "town": row["town"],
             "seed": seed,
@@ -115,8 +115,8 @@ def needless(folders):
     for folder in folders:
         rows = {}
         for row in read(folder, "episodes"):
-            if row["controller"] == "natural" and not row["error"]:
-                rows.setdefault(row["policy"], {})[row["town"], row["episode"]] = row
+            if row["pedestrian"] == "natural" and not row["error"]:
+                rows.setdefault(row["driver"], {})[row["town"], row["episode"]] = row
         for policy, those in rows.items():
             counts = found.setdefault(policy, [0, 0])
             for key, own in those.items():
@@ -134,7 +134,7 @@ def spared(folders):
         hits = {}
         for row in read(folder, "episodes"):
             if not row["error"] and row["left_out"] in ("", "false"):
-                hits.setdefault(row["policy"], {})[row["controller"], row["town"], row["episode"]] = row["outcome"] == "collision"
+                hits.setdefault(row["driver"], {})[row["pedestrian"], row["town"], row["episode"]] = row["outcome"] == "collision"
         for policy, those in hits.items():
             counts = found.setdefault(policy, [0, 0])
             struck = [key for key, hit in hits["blind"].items() if hit and key in those]
@@ -178,8 +178,8 @@ def guarded(folders):
     for folder in folders:
         for row in read(folder, "episodes"):
             if not row["error"] and row["left_out"] in ("", "false"):
-                key = Path(folder).parent.name, row["controller"], row["town"], row["episode"]
-                found.setdefault(row["policy"], {})[key] = row
+                key = Path(folder).parent.name, row["pedestrian"], row["town"], row["episode"]
+                found.setdefault(row["driver"], {})[key] = row
     names = [name for name in found if "_aeb_" in name]
     if not names:
         return

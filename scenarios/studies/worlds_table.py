@@ -56,7 +56,7 @@ def agreement(files):
     for file in files:
         found = json.loads(Path(file).read_text())["failures"]
         for row in found:
-            for driver in (row["policy"], None):
+            for driver in (row["driver"], None):
                 counts[driver].update({name: row[name] for name in ("failures", "old_faults", "still_faults", "turned_faults", "failed_encounters")})
         seeds.append(share(sum(row["still_faults"] for row in found), sum(row["old_faults"] for row in found)))
     print("| driver | faults that remain faults | near misses that become faults | errors |\n|---|--:|--:|--:|")
@@ -121,7 +121,7 @@ def causes(folders):
 def native(folders):
     groups, worlds = defaultdict(list), []
     for row in (row for folder in folders for row in rows(folder)):
-        groups[row["policy"], row["controller"], row["world"]].append(row)
+        groups[row["driver"], row["pedestrian"], row["world"]].append(row)
         worlds += [row["world"]] if row["world"] not in worlds else []
     print("| driver | pedestrian |" + "".join(f" faults in `{world}` | collisions | left out |" for world in worlds))
     print("|---|---|" + "--:|--:|--:|" * len(worlds))

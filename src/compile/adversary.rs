@@ -31,10 +31,10 @@ choice! {
 
 keys! {
     /// The pedestrian that attacks: its body, and how its states and actions are to be read.
-    pub struct AdversaryKeys = "adversary" {
+    pub struct BodyKeys = "body" {
         /// Its size: CARLA's adult (a disc of radius 0.188 m) or child (0.25 m) (B); or the `target` of a test as a box, 0.6 m by
         /// 0.5 m (`adult_box`) or 0.711 m by 0.298 m (`child_box`).
-        body: Body = "adult",
+        shape: Body = "adult",
         /// Time from rest to any speed; `0 s` for at once. CARLA's walkers take 2 s (the formula A). Not with `acceleration`.
         ramp: f64 as non_negative(TIME) = "2 s",
         /// Rate at which its velocity turns; 20 Hz or more for at once. Unreal's formula (A) with its default friction, 8 Hz
@@ -74,14 +74,14 @@ keys! {
     }
 }
 
-/// The form `adversary`.
+/// The form `body`.
 pub fn form() -> Form {
-    Form::plain(AdversaryKeys::signature())
+    Form::plain(BodyKeys::signature())
 }
 
 /// Reports keys that exclude each other.
 pub fn check(block: &Block, said: &mut Vec<Diagnostic>) {
-    let rays = block.keys::<AdversaryKeys>().rays;
+    let rays = block.keys::<BodyKeys>().rays;
     if !rays.is_multiple_of(4) {
         let message = format!("{rays} rays: the number must be a multiple of 4");
         said.push(diagnostics::contradiction(block.place("rays"), message).help("write 4, 8, 12, 16 or more"));
@@ -105,14 +105,14 @@ pub fn check(block: &Block, said: &mut Vec<Diagnostic>) {
     }
 }
 
-pub fn lower(keys: AdversaryKeys) -> PedestrianRole {
-    let size = match keys.body {
+pub fn lower(keys: BodyKeys) -> PedestrianRole {
+    let size = match keys.shape {
         Body::Adult => PedestrianBody::adult(),
         Body::Child => PedestrianBody::child(),
         Body::AdultBox => target(&TargetBox::ADULT, ADULT_HEIGHT),
         Body::ChildBox => target(&TargetBox::CHILD, CHILD_HEIGHT),
     };
-    let AdversaryKeys { ramp, turning, stopping, .. } = keys;
+    let BodyKeys { ramp, turning, stopping, .. } = keys;
     let gait = match keys.acceleration {
         Some(acceleration) => Gait::Inertial {
             acceleration,

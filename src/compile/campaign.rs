@@ -6,8 +6,8 @@ keys! {
     pub struct CampaignKeys = "campaign" {
         /// The model of car under test.
         vehicle: DeclarationId as Reference("vehicle"),
-        /// The pedestrian.
-        adversary: DeclarationId as Reference("adversary"),
+        /// The pedestrian's body.
+        body: DeclarationId as Reference("body"),
         /// Further pedestrians and cars, and the first pedestrian with a name; without the key there is the car under test and one pedestrian. A block
         /// `cast { child: pedestrian(…)  van: vehicle(…) }` declares them in place.
         cast: Option<Vec<DeclarationId>> as Reference("role"),
@@ -31,7 +31,7 @@ keys! {
         /// Towns.
         towns: Vec<DeclarationId> as Reference("town"),
         /// Drivers.
-        policies: Vec<DeclarationId> as Reference("policy"),
+        drivers: Vec<DeclarationId> as Reference("driver"),
     }
 }
 

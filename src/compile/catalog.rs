@@ -108,7 +108,7 @@ impl Catalog {
     /// # Errors
     /// A kind of this name exists.
     pub fn with_policy(mut self, kind: PolicyKind) -> Result<Self, TakenKind> {
-        self.add("policy", with_common_keys(kind.signature.clone()))?;
+        self.add("driver", with_common_keys(kind.signature.clone()))?;
         self.policies.push(kind);
         Ok(self)
     }
@@ -137,7 +137,7 @@ impl Catalog {
         });
         for param in blocks.flat_map(|block| &mut block.params) {
             let single = if let Type::List(item) = &mut param.ty { &mut **item } else { &mut param.ty };
-            if let Type::WordOrReference(words, "controller") = single {
+            if let Type::WordOrReference(words, "pedestrian") = single {
                 words.push(kind.word());
             }
         }
@@ -150,7 +150,7 @@ impl Catalog {
     /// # Errors
     /// A kind of this name exists.
     pub fn with_falsifier(mut self, kind: FalsifierKind) -> Result<Self, TakenKind> {
-        self.add("falsifier", kind.signature.clone())?;
+        self.add("method", kind.signature.clone())?;
         self.falsifiers.push(kind);
         Ok(self)
     }

@@ -23,10 +23,10 @@ const KINDS: [ControllerKind; 3] = [
     ControllerKind { signature: NaturalKeys::signature, lower: natural },
 ];
 
-/// The form `controller`.
+/// The form `pedestrian`.
 pub fn form() -> Form {
-    let doc = "What moves a pedestrian: a program or a network of your own, or a built-in one with other settings. `pedestrians` of an `evaluate` or an `estimate` block and a `falsifier` of kind `controlled` name it.";
-    Form::of_kinds("controller", doc, KINDS.iter().map(|kind| (kind.signature)()).collect())
+    let doc = "What moves a pedestrian: a program or a network of your own, or a built-in one with other settings. `pedestrians` of an `evaluate` or an `estimate` block and a `method` of kind `controlled` name it.";
+    Form::of_kinds("pedestrian", doc, KINDS.iter().map(|kind| (kind.signature)()).collect())
 }
 
 impl Lowering<'_> {
@@ -34,7 +34,7 @@ impl Lowering<'_> {
     pub fn controller(&mut self, id: DeclarationId) -> Option<Controller> {
         let declaration = self.program.get(id);
         if self.catalog.has_pedestrian(&declaration.name) {
-            let message = format!("`{}` is the name of a built-in `controller`", declaration.name);
+            let message = format!("`{}` is the name of a built-in `pedestrian`", declaration.name);
             let help = "give it another name, so that both can be evaluated";
             self.said.push(diagnostics::contradiction(declaration.block.head, message).help(help));
             return None;

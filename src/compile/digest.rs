@@ -145,15 +145,15 @@ mod tests {
         let text = r#"edition 1
 town old = opendrive(file: "old.xodr")
 town new { street quay { through: [(0 m, 0 m), (300 m, 0 m)] } }
-policy mild = cruise(limit_share: 0.5)
+driver mild = cruise(limit_share: 0.5)
 spawn near { distance: 7 m .. 9 m }
 episode short { ticks: 100 }
-reward hits { on hit => 1 }
+reward hits { on touch => 1 }
 training quick = ppo(steps: 100)
 campaign both {
-  vehicle: model3 adversary: suicidal spawn: near episode: short training: quick
-  train { towns: [new] policies: [mild] rewards: [hits] runs: 1 }
-  evaluate { towns: [old, new] policies: [mild] pedestrians: [random] }
+  vehicle: model3 body: suicidal spawn: near episode: short training: quick
+  train { towns: [new] drivers: [mild] rewards: [hits] runs: 1 }
+  evaluate { towns: [old, new] drivers: [mild] pedestrians: [random] }
 }
 "#;
         let text = changes.iter().fold(text.to_string(), |text, (from, to)| {
@@ -190,9 +190,9 @@ campaign both {
             "layout, help"
         );
         assert_eq!(changed(map, &[("share: 0.5", "share: 0.6")]), [true; 3], "a driver");
-        assert_eq!(changed(map, &[("on hit => 1", "on hit => 1 + 0")]), [true; 3], "a formula");
+        assert_eq!(changed(map, &[("on touch => 1", "on touch => 1 + 0")]), [true; 3], "a formula");
         assert_eq!(
-            changed(map, &[("reward hits", "reward more { on hit => 2 }\nreward hits")]),
+            changed(map, &[("reward hits", "reward more { on touch => 2 }\nreward hits")]),
             [false; 3],
             "something else"
         );

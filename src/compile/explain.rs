@@ -10,7 +10,7 @@ use lang::{DIMENSIONS, functions, library, temporal_operators};
 
 /// Something that can be explained, under the words that lead to it.
 struct Page {
-    /// Such as `policy`, `idm`, `margin`.
+    /// Such as `driver`, `idm`, `margin`.
     path: Vec<&'static str>,
     text: String,
     /// Whether its word means nothing else: a message, a topic or a form.
@@ -29,7 +29,7 @@ const TOPICS: [(&str, &str); 7] = [
 ];
 
 impl Catalog {
-    /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), a word of the
+    /// Explains a diagnostic code, a form, a kind (`driver idm`), a block or key of either (`driver idm margin`), a word of the
     /// language (`matrix`), an event, a variable, or all `events`, `variables`, `units`. Words before the last one may be left out.
     ///
     /// # Errors

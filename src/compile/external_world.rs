@@ -80,8 +80,8 @@ impl Lowering<'_> {
         let mut found: Vec<(Span, Misfit)> = Vec::new();
         for (place, policy) in ground.policies.iter().enumerate() {
             let declaration = self.program.get(policy.id);
-            let native = (declaration.kind == NativeKeys::KIND).then(|| declaration.block.keys::<NativeKeys>().driver);
-            let span = block.members("policies").get(place).copied().unwrap_or(block.head);
+            let native = (declaration.kind == NativeKeys::KIND).then(|| declaration.block.keys::<NativeKeys>().name);
+            let span = block.members("drivers").get(place).copied().unwrap_or(block.head);
             for world in worlds {
                 let staging = Staging {
                     world: world.as_ref().map(|world| (&*world.name, &*world.value)),

@@ -54,15 +54,15 @@ pub fn kinds() -> Vec<FalsifierKind> {
             Learning(named.training.clone().expect("checked: it has a training"))
         }),
         FalsifierKind::naming(|_: ControlledKeys, named| {
-            Controlled(named.controller.clone().expect("checked: it names a controller"))
+            Controlled(named.controller.clone().expect("checked: it names a pedestrian"))
         }),
     ]
 }
 
-/// The form `falsifier`.
+/// The form `method`.
 pub fn form() -> Form {
     let doc = "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.";
-    Form::of_kinds("falsifier", doc, Vec::new())
+    Form::of_kinds("method", doc, Vec::new())
 }
 
 /// Whether a falsifier trains pedestrians.

@@ -17,7 +17,7 @@ pub fn state() -> String {
     let sight = &spec(ReferenceFrame::LineOfSight, Scaling::Natural, ObservedSpeed::Ego).components()[0];
     let _ = write!(
         page,
-        "\nAngles are positive to the left. The `adversary` says where they are measured from (`observation_frame`):\n\n{}\n\
+        "\nAngles are positive to the left. The `body` says where they are measured from (`observation_frame`):\n\n{}\n\
          With `line_of_sight` the bearing would always be 0; the first number is then `{}`: {}.\n\n",
         frames(&[ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::LineOfSight, ReferenceFrame::World]),
         sight.name,
@@ -66,7 +66,7 @@ pub fn action() -> String {
     ];
     let _ = write!(
         page,
-        "\nThe bounds are those of an `adversary` without `speed` and `heading`. The heading is positive to the left, measured from (`action_frame`):\n\n{}\n",
+        "\nThe bounds are those of a `body` without `speed` and `heading`. The heading is positive to the left, measured from (`action_frame`):\n\n{}\n",
         frames(&all)
     );
     let [heading, speed] = spec(Scaling::Unit).components();
@@ -78,7 +78,7 @@ pub fn action() -> String {
         heading.unit,
         speed.unit
     );
-    page.push_str("The body follows with its own acceleration and rate of turning (`falsify explain adversary`).\n");
+    page.push_str("The body follows with its own acceleration and rate of turning (`falsify explain body`).\n");
     page.push_str(&decision());
     page
 }

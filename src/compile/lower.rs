@@ -139,10 +139,10 @@ impl Lowering<'_> {
                 let built = self.town(declaration.id);
                 plan.towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
             }
-            for declaration in program.of_form("policy") {
+            for declaration in program.of_form("driver") {
                 let _ = self.policy(declaration.id);
             }
-            for declaration in program.of_form("controller") {
+            for declaration in program.of_form("pedestrian") {
                 let _ = self.controller(declaration.id);
             }
             for declaration in program.of_form("world") {
@@ -151,7 +151,7 @@ impl Lowering<'_> {
             for declaration in program.of_form("spawn") {
                 let _ = self.spawn_rule(declaration.id);
             }
-            for declaration in program.of_form("adversary") {
+            for declaration in program.of_form("body") {
                 adversary::check(&declaration.block, self.said);
             }
         }
@@ -177,11 +177,11 @@ impl Lowering<'_> {
         let program = self.program;
         let of_form = |form| program.of_form(form).filter(|each| reached(program, each.id).is_subset(faultless));
         of_form("town").for_each(|town| drop(self.town(town.id)));
-        of_form("policy").for_each(|policy| drop(self.policy(policy.id)));
-        of_form("controller").for_each(|controller| drop(self.controller(controller.id)));
+        of_form("driver").for_each(|policy| drop(self.policy(policy.id)));
+        of_form("pedestrian").for_each(|controller| drop(self.controller(controller.id)));
         of_form("world").for_each(|world| drop(self.external_world(world.id)));
         of_form("spawn").for_each(|spawn| drop(self.spawn_rule(spawn.id)));
-        of_form("adversary").for_each(|adversary| adversary::check(&adversary.block, self.said));
+        of_form("body").for_each(|adversary| adversary::check(&adversary.block, self.said));
         for campaign in of_form("campaign").filter(|campaign| !left_out.contains(&campaign.id)) {
             self.campaign(campaign);
         }

@@ -40,9 +40,9 @@ pub fn kinds() -> Vec<PolicyKind> {
     ]
 }
 
-/// The form `policy`. Every kind takes `sensors` and `actuation_delay` in addition to the keys of its own signature.
+/// The form `driver`. Every kind takes `sensors` and `actuation_delay` in addition to the keys of its own signature.
 pub fn form() -> Form {
-    Form::of_kinds("policy", "A driver under test.", Vec::new())
+    Form::of_kinds("driver", "A driver under test.", Vec::new())
 }
 
 /// A driver with its sensors and its delay, and what can be exchanged of it; `None` after reporting what is wrong.

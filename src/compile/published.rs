@@ -41,7 +41,7 @@ keys! {
         /// Towns that its pedestrians were tried in.
         towns: Vec<DeclarationId> as Reference("town"),
         /// Drivers that they were tried against.
-        policies: Vec<DeclarationId> as Reference("policy"),
+        drivers: Vec<DeclarationId> as Reference("driver"),
     }
 }
 
@@ -76,7 +76,7 @@ fn cell(block: &Block, keys: CellKeys, program: &Program, said: &mut Vec<Diagnos
     PublishedCell {
         rewards: names(keys.rewards),
         towns: names(keys.towns),
-        policies: names(keys.policies),
+        policies: names(keys.drivers),
         figures: FIGURES.into_iter().filter_map(figure).collect(),
     }
 }

@@ -34,7 +34,7 @@ pub fn lower<'a>(block: &Block, find: impl Fn(DeclarationId) -> &'a Declaration)
         let found = block.clauses.iter().find(|clause| clause.event == event && clause.word == word);
         found.map(|clause| placed(&clause.formula, &mut place))
     };
-    let hit = HitClass::ALL.map(|class| clause("hit", class.word()));
+    let hit = HitClass::ALL.map(|class| clause("touch", class.word()));
     let [step, lost, timeout] = ["step", "lost", "timeout"].map(|event| clause(event, None));
     let potential = block.keys::<RewardKeys>().potential.map(|formula| placed(&formula, &mut place));
     let requirements = named.into_iter().map(|id| requirement::named(find(id))).collect();

@@ -24,12 +24,12 @@ keys! {
     /// A pedestrian beside others. Without `spawn`, `beside` and `ahead_of` the spawn rule of the campaign or of the block places it; so it does at
     /// least the first.
     pub struct PedestrianKeys = "pedestrian" {
-        /// Its body, and how its states and actions are to be read, instead of the campaign's `adversary`.
-        adversary: Option<DeclarationId> as Reference("adversary"),
+        /// Its body, instead of the campaign's.
+        body: Option<DeclarationId> as Reference("body"),
         // The catalogue adds the words of the others.
-        /// What moves it: a kind of pedestrian, a `controller` of the file, or nothing (`still`). Without the key the blocks of the campaign do:
+        /// What moves it: a kind of pedestrian, a `pedestrian` of the file, or nothing (`still`). Without the key the blocks of the campaign do:
         /// their trainings, pedestrians and searches.
-        walker: Option<Value> as WordOrReference(vec![STILL], "controller"),
+        moved_by: Option<Value> as WordOrReference(vec![STILL], "pedestrian"),
         /// The number of such pedestrians, each placed for itself.
         count: u32 as whole(1, 50) = "1",
         /// The spawn rule in whose sector about the ego it begins. What the rule says of the ego does not count.
@@ -51,7 +51,7 @@ keys! {
         /// Its model, instead of the campaign's `vehicle`.
         vehicle: Option<DeclarationId> as Reference("vehicle"),
         /// Its driver. Without one it is parked: it hides what is behind it, and pedestrians walk around it.
-        policy: Option<DeclarationId> as Reference("policy"),
+        driver: Option<DeclarationId> as Reference("driver"),
         /// The car behind which it drives at the start of the episode, as fast as it.
         behind: Option<Leader>,
         /// Its time gap to the bumper of that car; at least 2 m.
@@ -75,7 +75,7 @@ choice! {
 
 /// The form `role`.
 pub fn form() -> Form {
-    let doc = "An actor beside the car under test, for the `cast` of a campaign. There it can be declared in place: `cast { child: pedestrian(walker: natural, beside: friend) }`.";
+    let doc = "An actor beside the car under test, for the `cast` of a campaign. There it can be declared in place: `cast { child: pedestrian(moved_by: natural, beside: friend) }`.";
     Form::of_kinds("role", doc, vec![PedestrianKeys::signature(), CarKeys::signature()])
 }
 
@@ -280,7 +280,7 @@ impl Lowering<'_> {
         self.refuse_followers(&written);
         self.refuse_words(&written);
         let is_left = |each: &&Written<'_>| {
-            is_pedestrian(each) && each.declaration.block.keys::<PedestrianKeys>().walker.is_none()
+            is_pedestrian(each) && each.declaration.block.keys::<PedestrianKeys>().moved_by.is_none()
         };
         if !written.iter().any(|each| is_left(&each)) {
             let help = "leave one pedestrian without a `walker`: trainings, `pedestrians` and searches move it";
@@ -353,11 +353,11 @@ impl Lowering<'_> {
             (given.into_iter().flatten().collect(), keys.count)
         } else {
             let keys: CarKeys = block.keys();
-            if keys.behind.is_some() && keys.policy.is_none() {
+            if keys.behind.is_some() && keys.driver.is_none() {
                 self.contradict(
                     block.place("behind"),
                     "a parked car does not follow another one".into(),
-                    "give it a driver: `policy: idm`",
+                    "give it a driver: `driver: idm`",
                 );
             }
             let is_given = block.places.iter().any(|(key, _)| *key == "ahead_of") || keys.behind.is_none();
@@ -475,12 +475,12 @@ impl Lowering<'_> {
                 (.., Some(value)) => Some(ahead(value, &keys.distance, &keys.aside)),
                 _ => None,
             };
-            let controller = match &keys.walker {
+            let controller = match &keys.moved_by {
                 None => Controller::External,
                 Some(Value::Choice(STILL)) => Controller::Own(falsifier::Controller::new(STILL, || Box::new(Scripted))),
                 Some(word) => Controller::Own(self.untrained(block, "walker", word, place.is_none())?.0),
             };
-            let adversary = keys.adversary.map(|id| self.adversary(id).value);
+            let adversary = keys.body.map(|id| self.adversary(id).value);
             let member = Walking { name, adversary, controller, place };
             for _ in 1..each.count {
                 roles.pedestrians.push(Walking {
@@ -498,7 +498,7 @@ impl Lowering<'_> {
                 Some(Leader::Ego) => Placement::Behind { gap: keys.gap },
                 None => ahead(&keys.ahead_of, &keys.distance, &keys.aside),
             };
-            let driver = match keys.policy {
+            let driver = match keys.driver {
                 Some(id) => Some(self.policy(id)?),
                 None => None,
             };

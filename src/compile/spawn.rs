@@ -40,7 +40,7 @@ keys! {
         /// Whether what stands in the town (buildings, walls, trees, parked cars) must or must not hide the pedestrian from the
         /// middle of the ego.
         sight: Sight = "any",
-        /// Where the pedestrian looks, from the ego's heading, positive to the left; without it the adversary's
+        /// Where the pedestrian looks, from the ego's heading, positive to the left; without it the body's
         /// `first_heading` decides.
         heading: Option<Distribution> as drawn(ANGLE, -PI, PI),
         /// Poses of which the ego takes one; without them and without `ego_lane` it begins anywhere on the driving lanes

@@ -29,9 +29,9 @@ keys! {
         /// Places on the car's front that meet the target's impact point, as shares of its width: from the side of the target,
         /// or from the right along the path.
         overlaps: Vec<f64> as share(),
-        /// Speed of the `scripted` target. Other controllers choose speed and heading of the line by their first command.
+        /// Speed of the `scripted` target. Other pedestrians choose speed and heading of the line by their first command.
         walking_speed: f64 as non_negative(SPEED) = "5 km/h",
-        /// Way within which the target reaches its speed, at a constant acceleration. The body of the adversary must be able
+        /// Way within which the target reaches its speed, at a constant acceleration. The body must be able
         /// to: `ramp: 0 s`.
         reach: f64 as non_negative(LENGTH) = "1 m",
         /// Time from the start to the meeting if the car keeps its speed. A target whose way takes longer starts nearer.
@@ -41,7 +41,7 @@ keys! {
         target: Target = "adult",
         /// How reports judge an impact speed: passed without contact, the colours of Euro NCAP, or the limits of UN R152 for M1
         /// and N1.
-        criterion: TestCriterion = "no_contact",
+        criterion: TestCriterion = "no_collision",
     }
 }
 

@@ -1,4 +1,4 @@
-//! Kinds with their keys in place of a name: `policies: [idm(time_headway: 1 s)]`, also as values of a `matrix`.
+//! Kinds with their keys in place of a name: `drivers: [idm(time_headway: 1 s)]`, also as values of a `matrix`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

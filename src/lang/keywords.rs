@@ -31,7 +31,7 @@ pub const WORDS: &[Word] = &[
     Word {
         name: "matrix",
         text: "A block of a campaign: the campaign is run once for every combination of values of parameters. A parameter that is set on the command line keeps that one value.",
-        example: "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\nparam far: length = 30 m\nspawn here { distance: 7 m .. far }\ncampaign distances {\n  vehicle: model3  adversary: suicidal  spawn: here  episode: thirty_seconds  training: ppo_paper\n  matrix { far: [20 m, 30 m] }\n  train { towns: [harbour]  policies: [behavior]  rewards: [r1]  runs: 1 }\n}\n",
+        example: "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\nparam far: length = 30 m\nspawn here { distance: 7 m .. far }\ncampaign distances {\n  vehicle: model3  body: suicidal  spawn: here  episode: thirty_seconds  training: ppo_paper\n  matrix { far: [20 m, 30 m] }\n  train { towns: [harbour]  drivers: [behavior]  rewards: [r1]  runs: 1 }\n}\n",
     },
     Word {
         name: "set",
@@ -41,12 +41,12 @@ pub const WORDS: &[Word] = &[
     Word {
         name: "on",
         text: "A clause of a reward: what an event is worth, as a formula of a plain number. `falsify explain events` lists the events and what formulas may name at each.",
-        example: "edition 1\nreward r {\n  on hit(front) => max(3, 1.5 * v_c in m/s)\n  on hit => 1\n}\n",
+        example: "edition 1\nreward r {\n  on touch(front) => max(3, 1.5 * v_c in m/s)\n  on touch => 1\n}\n",
     },
     Word {
         name: "in",
         text: "Makes the plain number of a quantity, counted in a unit. Formulas of rewards are plain numbers, so speeds and lengths are counted on purpose.",
-        example: "edition 1\nreward r { on hit => v_c in km/h / 10 }\n",
+        example: "edition 1\nreward r { on touch => v_c in km/h / 10 }\n",
     },
     Word {
         name: "uniform",

@@ -35,13 +35,13 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/sensors.scn"
 import "lib/towns.scn"
-policy lav_eyed = idm(sensors: lav_eyes)
+driver lav_eyed = idm(sensors: lav_eyes)
 campaign bench {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-  train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] drivers: [behavior] rewards: [r2] runs: 1 }
   evaluate {
     towns: [harbour]  pedestrians: [random]
-    policies: [
+    drivers: [
       behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, idm, blind,
       aeb, rss, predictive, oracle, late_oracle, lav_eyed
     ]
@@ -118,19 +118,19 @@ town street {
 }
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
 campaign pair {
-  vehicle: model3  adversary: suicidal  spawn: near  episode: thirty_seconds
-  evaluate { towns: [street]  policies: [idm]  pedestrians: [random] }
+  vehicle: model3  body: suicidal  spawn: near  episode: thirty_seconds
+  evaluate { towns: [street]  drivers: [idm]  pedestrians: [random] }
 }
 campaign crowd {
-  vehicle: model3  adversary: suicidal  spawn: near  episode: thirty_seconds
+  vehicle: model3  body: suicidal  spawn: near  episode: thirty_seconds
   cast {
     first: pedestrian()
     crowd: pedestrian(count: 11)
-    behind: vehicle(policy: idm, behind: ego, gap: 1 s .. 2 s)
-    front: vehicle(policy: idm, distance: 30 m .. 40 m)
+    behind: vehicle(driver: idm, behind: ego, gap: 1 s .. 2 s)
+    front: vehicle(driver: idm, distance: 30 m .. 40 m)
     van: vehicle(distance: 12 m .. 20 m, aside: -3.2 m)
   }
-  evaluate { towns: [street]  policies: [idm]  pedestrians: [random] }
+  evaluate { towns: [street]  drivers: [idm]  pedestrians: [random] }
 }
 "#;
 
@@ -249,9 +249,9 @@ spawn constraints {
   require: [distance >= 7 m and distance <= 30 m, bearing >= -60 deg and bearing <= 60 deg]
 }
 campaign bench {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-  train { towns: [town01_outline] policies: [behavior] rewards: [r1] runs: 1 }
-  evaluate { towns: [town01_outline] policies: [behavior] spawn: constraints }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [town01_outline] drivers: [behavior] rewards: [r1] runs: 1 }
+  evaluate { towns: [town01_outline] drivers: [behavior] spawn: constraints }
 }
 "#;
 

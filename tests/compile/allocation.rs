@@ -51,17 +51,17 @@ requirement every_signal = always(
     ego_jerk < 9 m/s^3 and pedestrian_acceleration < 3 m/s^2 and abs(lane_offset) < 1 m and bearing < 1 rad, [0 s, 3 s]
   ) or crosswalk_waiting
 )
-policy squinting = aeb(sensors: poor)
-policy lav_eyed = idm(sensors: lav_eyes)
+driver squinting = aeb(sensors: poor)
+driver lav_eyed = idm(sensors: lav_eyes)
 campaign ticks {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   requirements: [
     no_collision, safe_passing, comfort, keeps_lane, stops_at_red, yields_at_crosswalk, no_imminent_risk, every_signal
   ]
-  train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
+  train { towns: [harbour] drivers: [behavior] rewards: [r2] runs: 1 }
   evaluate {
     towns: [village]  pedestrians: [intercept]
-    policies: [
+    drivers: [
       behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, idm, blind,
       aeb, rss, predictive, oracle, late_oracle, careful_human, squinting, lav_eyed
     ]

@@ -150,8 +150,8 @@ import "lib/towns.scn"
 spawn near {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }}
 episode until_passed {{ ticks: 240  hold: 10  end_when: ahead < -6 m }}
 campaign judged {{
-  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed
-  evaluate {{ towns: [{town}] policies: [{policy}] pedestrians: [random] episodes: 1 }}
+  vehicle: model3  body: plausible  spawn: near  episode: until_passed
+  evaluate {{ towns: [{town}] drivers: [{policy}] pedestrians: [random] episodes: 1 }}
 }}"#
     );
     let root = crate::repository().join("scenarios/judged.scn");

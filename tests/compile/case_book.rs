@@ -238,8 +238,8 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
 campaign judged {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour] policies: [blind] pedestrians: [random] episodes: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour] drivers: [blind] pedestrians: [random] episodes: 1 }
 }
 "#;
     let root = crate::repository().join("scenarios/judged.scn");

@@ -38,14 +38,14 @@ town lit {
   street main { through: [(-150 m, 0 m), (0 m, 0 m), (150 m, 0 m)]  speed_limit: 50 km/h }
   street side { through: [(0 m, 0 m), (0 m, 150 m)]  speed_limit: 30 km/h }
 }
-policy follower = idm()
-policy slow = idm(limit_share: 0.4)
+driver follower = idm()
+driver slow = idm(limit_share: 0.4)
 sensors eyes { eye: 0.4 m  least_visible: 0.2  latency: 0.4 s }
-policy seeing = rss_guarded(sensors: eyes)
+driver seeing = rss_guarded(sensors: eyes)
 campaign cast {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-  train { towns: [long] policies: [blind] rewards: [r2] runs: 1 }
-  evaluate { towns: [long, lit] policies: [blind, follower, slow, seeing] pedestrians: [intercept] }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [long] drivers: [blind] rewards: [r2] runs: 1 }
+  evaluate { towns: [long, lit] drivers: [blind, follower, slow, seeing] pedestrians: [intercept] }
 }
 "#;
 
@@ -476,17 +476,17 @@ town long {
   traffic_lights: false
   street long { through: [(0 m, 0 m), (250 m, 0 m), (500 m, 0 m)]  speed_limit: 50 km/h }
 }
-adversary small { body: child }
+body small { shape: child }
 campaign cast {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
   cast {
-    friend: pedestrian(walker: natural, beside: child, distance: 0.5 m .. 2 m)
-    child: pedestrian(adversary: small)
+    friend: pedestrian(moved_by: natural, beside: child, distance: 0.5 m .. 2 m)
+    child: pedestrian(body: small)
     van: vehicle(vehicle: generic(length: 5.5 m, width: 2 m), distance: 12 m .. 20 m, aside: -3.2 m)
-    follower: vehicle(policy: idm(), behind: ego, gap: 1 s .. 2 s)
-    crowd: pedestrian(walker: still, count: 3, ahead_of: van, distance: 3 m .. 9 m, aside: -4 m .. -1 m)
+    follower: vehicle(driver: idm(), behind: ego, gap: 1 s .. 2 s)
+    crowd: pedestrian(moved_by: still, count: 3, ahead_of: van, distance: 3 m .. 9 m, aside: -4 m .. -1 m)
   }
-  evaluate { towns: [long] policies: [idm()] pedestrians: [intercept] }
+  evaluate { towns: [long] drivers: [idm()] pedestrians: [intercept] }
 }
 "#;
 

@@ -237,13 +237,13 @@ impl Reader for Files {
 fn plan(drivers: &[&str]) -> Plan {
     let names: Vec<String> = (0..drivers.len()).map(|number| format!("driver_{number}")).collect();
     let policies: String =
-        names.iter().zip(drivers).map(|(name, driver)| format!("policy {name} = {driver}\n")).collect();
+        names.iter().zip(drivers).map(|(name, driver)| format!("driver {name} = {driver}\n")).collect();
     let text = format!(
         "edition 1\nimport \"lib/pedestrians.scn\"\nimport \"lib/drivers.scn\"\nimport \"lib/towns.scn\"\n{policies}\
          spawn ahead {{ bearing: -40 deg .. 40 deg distance: 12 m .. 40 m }}\n\
          episode short {{ tick: 0.05 s hold: 20 ticks: 240 end_when: ahead < -6 m }}\n\
-         campaign c {{ vehicle: model3 adversary: pursuer spawn: ahead episode: short\n\
-         evaluate {{ towns: [village] policies: [{}] pedestrians: [intercept] episodes: 1 }} }}",
+         campaign c {{ vehicle: model3 body: pursuer spawn: ahead episode: short\n\
+         evaluate {{ towns: [village] drivers: [{}] pedestrians: [intercept] episodes: 1 }} }}",
         names.join(", ")
     );
     let root = crate::repository().join("scenarios/test_of_causes.scn");

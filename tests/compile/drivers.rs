@@ -15,11 +15,11 @@ edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
-policy jrc = rss_guarded(figures: jrc)
+driver jrc = rss_guarded(figures: jrc)
 campaign driven {
-  vehicle: plain_car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-  train { towns: [harbour] policies: [blind] rewards: [r2] runs: 1 }
-  evaluate { towns: [harbour] policies: [blind, aeb, rss, jrc, predictive, oracle, late_oracle] pedestrians: [intercept] }
+  vehicle: plain_car  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] drivers: [blind] rewards: [r2] runs: 1 }
+  evaluate { towns: [harbour] drivers: [blind, aeb, rss, jrc, predictive, oracle, late_oracle] pedestrians: [intercept] }
 }
 "#;
 

@@ -99,7 +99,7 @@ fn every_form_kind_block_and_key_is_explained() {
         assert!(everything.contains(mistake.code), "{}", mistake.code);
         assert!(explain(&[mistake.code]).contains(mistake.good.lines().last().unwrap()));
     }
-    for (topic, part) in [("units", "km"), ("events", "on hit"), ("variables", "v_c")] {
+    for (topic, part) in [("units", "km"), ("events", "on touch"), ("variables", "v_c")] {
         assert!(explain(&[topic]).contains(part), "{topic}");
     }
 }
@@ -133,8 +133,8 @@ fn words_events_and_variables_are_explained_and_the_examples_are_right() {
 fn what_is_not_known_is_answered_with_the_nearest_that_is() {
     let catalog = Catalog::builtin();
     for (words, near) in [
-        (vec!["polcy"], "did you mean `policy`?"),
-        (vec!["policy", "idn"], "did you mean `policy idm`?"),
+        (vec!["drivr"], "did you mean `driver`?"),
+        (vec!["driver", "idn"], "did you mean `driver idm`?"),
         (vec!["missing-untis"], "did you mean `missing-unit`?"),
         (vec!["zebra crossing"], "lists what there is"),
     ] {

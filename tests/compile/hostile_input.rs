@@ -48,15 +48,15 @@ fn huge_and_deep_files_get_an_answer() {
         ("junk beyond reason", "§$%&? \n".repeat(50 << 17), Some("too-large")),
         ("junk", "§$%&? \n".repeat((4 << 20) / 8), Some("syntax")),
         ("a name without end", format!("{edition}{0} a {{}}\n{0} b {{}}", "a".repeat(1 << 20)), Some("unknown-form")),
-        ("brackets", format!("{edition}reward r {{ on hit => {}", "(".repeat(10_000)), Some("too-deep")),
+        ("brackets", format!("{edition}reward r {{ on touch => {}", "(".repeat(10_000)), Some("too-deep")),
         (
             "pairs of brackets",
-            format!("{edition}reward r {{ on hit => {}1{} }}", "[".repeat(10_000), "]".repeat(10_000)),
+            format!("{edition}reward r {{ on touch => {}1{} }}", "[".repeat(10_000), "]".repeat(10_000)),
             Some("too-deep"),
         ),
         ("blocks", format!("{edition}{}{}", "a { ".repeat(10_000), "}".repeat(10_000)), Some("too-deep")),
-        ("terms", format!("{edition}reward r {{ on hit => 1{} }}", " + 1".repeat(20_000)), Some("too-long")),
-        ("signs", format!("{edition}reward r {{ on hit => {}1 }}", "-".repeat(20_000)), Some("too-long")),
+        ("terms", format!("{edition}reward r {{ on touch => 1{} }}", " + 1".repeat(20_000)), Some("too-long")),
+        ("signs", format!("{edition}reward r {{ on touch => {}1 }}", "-".repeat(20_000)), Some("too-long")),
         ("documentation", "///\n".repeat(1 << 14), Some("missing-edition")),
         ("documentation in a block", format!("{edition}reward r {{\n{}}}", "///\n".repeat(1 << 14)), None),
         ("comments", format!("{edition}{}", "// a\n/* b */".repeat(1 << 13)), None),
@@ -66,7 +66,7 @@ fn huge_and_deep_files_get_an_answer() {
         ("nested junk", format!("{edition}{}{}", "? { ".repeat(60), "}".repeat(60)), Some("syntax")),
         (
             "nested calls",
-            format!("{edition}reward r {{ on hit => {}!{} }}", "max(a: ".repeat(60), ")".repeat(60)),
+            format!("{edition}reward r {{ on touch => {}!{} }}", "max(a: ".repeat(60), ")".repeat(60)),
             Some("syntax"),
         ),
         ("no line ends", "a".repeat(1 << 18), Some("syntax")),
@@ -123,7 +123,7 @@ fn streets_that_all_cross_each_other_are_told_in_time() {
 
 #[test]
 fn a_hundred_thousand_declarations_are_checked() {
-    let text = format!("edition 1\n{}", lines(100_000, "reward r# { on hit => # }"));
+    let text = format!("edition 1\n{}", lines(100_000, "reward r# { on touch => # }"));
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {
         let root = Path::new("hostile.scn");
@@ -143,12 +143,12 @@ fn as_many_mistakes_as_there_are_lines_are_found() {
         ("statements", format!("{edition}{}", lines(5_000, "? x = # m m")), "syntax"),
         ("equal names", format!("{edition}{}", lines(5_000, "reward r {}")), "duplicate-declaration"),
         ("imported names", format!("{edition}import {names}s from \"std/paper.scn\"\n"), "unknown-import"),
-        ("missing commas", format!("{edition}policy p = idm({})\n", lines(5_000, "margin: #")), "syntax"),
+        ("missing commas", format!("{edition}driver p = idm({})\n", lines(5_000, "margin: #")), "syntax"),
         (
             "names that lead nowhere, among many that do",
             format!(
                 "{edition}{}campaign c {{ train {{ rewards: [{names}] }} }}\n",
-                lines(10_000, "reward r# { on hit => 1 }")
+                lines(10_000, "reward r# { on touch => 1 }")
             ),
             "missing-key",
         ),
@@ -188,8 +188,8 @@ fn what_multiplies_is_bounded() {
     // Each of many keys may have as many parts as are allowed.
     let large = format!("edition 1\nparam far: length = choice({})\n", vec!["7 m"; 4_096].join(", "));
     assert_eq!(survive_in_time("many large ones", large + &lines(2_000, "spawn s# { distance: far }")), None);
-    let runs = "train { towns: [harbour, village] policies: [behavior, idm, blind] rewards: [r1, r2] runs: 10_000 }";
-    let keys = "vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper";
+    let runs = "train { towns: [harbour, village] drivers: [behavior, idm, blind] rewards: [r1, r2] runs: 10_000 }";
+    let keys = "vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper";
     let text = format!("edition 1\n{pieces}import \"std/towns.scn\"\n{params}campaign c {{ {keys} {runs} {runs} }}\n");
     assert!(survive_in_time("many trainings", text).is_some());
 }
@@ -204,7 +204,7 @@ proptest! {
 
     #[test]
     fn no_soup_of_tokens_panics(tokens in prop::collection::vec(prop::sample::select(vec![
-        "edition", "1", "import", "\"a\"", "reward", "r", "{", "}", "(", ")", "[", "]", "on", "hit", "=>", ":", ",", ";", "=",
+        "edition", "1", "import", "\"a\"", "reward", "r", "{", "}", "(", ")", "[", "]", "on", "touch", "=>", ":", ",", ";", "=",
         "..", "7", "7 m", "60 deg", "-", "+", "*", "/", "<", "<=", "and", "or", "not", "in", "m/s", "///d\n", "//c\n", "/*b*/",
         "\"", "{\"", "\n", "\r", "\u{feff}", "é", "🚗", "max(", "spawn s {", "town t = opendrive(", "bearing:", "1e999", "m^99",
     ]), 0..60), spaced in any::<bool>()) {

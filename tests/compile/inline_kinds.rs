@@ -13,14 +13,14 @@ import "std/rewards.scn"
 import "std/towns.scn"
 spawn ahead {}
 episode short { ticks: 200 }
-param base: policy = idm(margin: 1 m)
+param base: driver = idm(margin: 1 m)
 campaign c {
-  vehicle: generic(length: 4 m)  adversary: plausible  spawn: ahead  episode: short
+  vehicle: generic(length: 4 m)  body: plausible  spawn: ahead  episode: short
   training: ppo(steps: 1000)
-  train { towns: [harbour]  policies: [idm(time_headway: 0.8 s)]  rewards: [fault]  runs: 1 }
+  train { towns: [harbour]  drivers: [idm(time_headway: 0.8 s)]  rewards: [fault]  runs: 1 }
   evaluate {
     towns: [harbour]  pedestrians: [random]  episodes: 5
-    policies: [
+    drivers: [
       idm( time_headway:  0.8 s ), idm(), late_oracle, base,
       idm(sensors: interfuser_suite(latency: 0.1 s), margin: 1 m, time_headway: 2.5 s, least_gap: 3 m)
     ]
@@ -55,7 +55,7 @@ fn a_kind_in_place_of_a_name_is_a_declaration_with_a_derived_name() {
     let sensors = &campaign.drivers.iter().find(|driver| driver.name == *long).unwrap().sensors;
     assert_eq!(sensors.as_deref(), Some("interfuser_suite_latency_0_1_s"));
     // The names do not depend on what else the file declares.
-    let more = SCENARIO.replace("spawn ahead {}", "spawn ahead {}\npolicy first = idm(margin: 2 m)");
+    let more = SCENARIO.replace("spawn ahead {}", "spawn ahead {}\ndriver first = idm(margin: 2 m)");
     let again = compiled(&more).unwrap_or_else(|said| panic!("{said:?}"));
     let names: Vec<String> =
         again.campaigns[0].all::<compile::Evaluation>().map(|each| each.policy.to_string()).collect();
@@ -65,7 +65,7 @@ fn a_kind_in_place_of_a_name_is_a_declaration_with_a_derived_name() {
 #[test]
 fn a_derived_name_never_means_two_things() {
     let text = SCENARIO
-        .replace("spawn ahead {}", "spawn ahead {}\npolicy idm = aeb()")
+        .replace("spawn ahead {}", "spawn ahead {}\ndriver idm = aeb()")
         .replace("late_oracle, base", "idm, base");
     let plan = compiled(&text).unwrap_or_else(|said| panic!("{said:?}"));
     let kinds: Vec<_> = plan.campaigns[0].drivers.iter().map(|driver| (driver.name.as_str(), driver.kind)).collect();

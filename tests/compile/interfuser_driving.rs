@@ -19,9 +19,9 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
 campaign drives {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-  train { towns: [harbour] policies: [interfuser] rewards: [r2] runs: 1 }
-  evaluate { towns: [harbour, village] policies: [interfuser] pedestrians: [random] }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] drivers: [interfuser] rewards: [r2] runs: 1 }
+  evaluate { towns: [harbour, village] drivers: [interfuser] pedestrians: [random] }
 }
 "#;
 

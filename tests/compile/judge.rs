@@ -22,9 +22,9 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
 campaign judged {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 1 }
-  evaluate { towns: [harbour] policies: [behavior, blind] pedestrians: [intercept] episodes: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] drivers: [behavior] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] drivers: [behavior, blind] pedestrians: [intercept] episodes: 1 }
 }
 "#;
 

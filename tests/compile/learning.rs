@@ -16,9 +16,9 @@ import "lib/drivers.scn"
 import "lib/towns.scn"
 training half = ppo(steps: 30_000)
 campaign learning {
-  vehicle: plain_car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: half
-  train { towns: [harbour] policies: [idm] rewards: [r1] runs: 1 }
-  evaluate { towns: [harbour] policies: [idm] pedestrians: [trained, untrained] }
+  vehicle: plain_car  body: suicidal  spawn: ahead  episode: thirty_seconds  training: half
+  train { towns: [harbour] drivers: [idm] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] drivers: [idm] pedestrians: [trained, untrained] }
 }
 "#;
 

@@ -27,9 +27,9 @@ fn compiled(map: &str, driver: &str, spawn: &str) -> Compiled {
          town real = opendrive(file: \"real.xodr\")\n\
          spawn here {{ ego_poses: [(150 m, -1.75 m, 0 deg)]  bearing: 180 deg  distance: 900 m  {spawn} }}\n\
          episode brief {{ ticks: 100  hold: 10 }}\n\
-         campaign c {{ vehicle: model3 adversary: suicidal spawn: here episode: brief training: ppo_paper\n\
-         train {{ towns: [real] policies: [blind] rewards: [r1] runs: 1 }}\n\
-         evaluate {{ towns: [real] policies: [{driver}] pedestrians: [intercept] episodes: 1 }} }}",
+         campaign c {{ vehicle: model3 body: suicidal spawn: here episode: brief training: ppo_paper\n\
+         train {{ towns: [real] drivers: [blind] rewards: [r1] runs: 1 }}\n\
+         evaluate {{ towns: [real] drivers: [{driver}] pedestrians: [intercept] episodes: 1 }} }}",
         lib.display(),
     );
     let root = crate::repository().join("scenarios/map_facts.scn");

@@ -17,11 +17,11 @@ use crate::samples::samples;
 fn scenario(spawn: &str) -> Arc<Scenario> {
     let text = format!(
         "edition 1\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\n\
-                adversary free {{ body: adult ramp: 0 s turning: 20 Hz speed: 0 m/s .. 6 m/s }}\n\
+                body free {{ shape: adult ramp: 0 s turning: 20 Hz speed: 0 m/s .. 6 m/s }}\n\
                 spawn beside {{ {spawn} ego_speed: 10 m/s }}\n\
                 episode half_a_minute {{ ticks: 600 }}\n\
-                campaign c {{ vehicle: model3 adversary: free spawn: beside episode: half_a_minute\n\
-                evaluate {{ towns: [test_track] policies: [blind] pedestrians: [natural] episodes: 1 }} }}"
+                campaign c {{ vehicle: model3 body: free spawn: beside episode: half_a_minute\n\
+                evaluate {{ towns: [test_track] drivers: [blind] pedestrians: [natural] episodes: 1 }} }}"
     );
     let root = crate::repository().join("scenarios/test_of_natural_walking.scn");
     let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };

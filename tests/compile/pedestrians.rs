@@ -19,10 +19,10 @@ import "std/pedestrians.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 campaign walked {
-  vehicle: model3  adversary: plausible  spawn: ahead  episode: thirty_seconds
+  vehicle: model3  body: plausible  spawn: ahead  episode: thirty_seconds
   evaluate {
-    towns: [harbour] policies: [behavior] pedestrians: [random] episodes: 1
-    adversaries: [plausible, child, elderly, runner, suicidal, literal]
+    towns: [harbour] drivers: [behavior] pedestrians: [random] episodes: 1
+    bodies: [plausible, child, elderly, runner, suicidal, literal]
   }
 }
 "#;

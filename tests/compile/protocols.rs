@@ -49,9 +49,9 @@ fn scenario(spawn: &str, policy: &str) -> Arc<Scenario> {
 
 fn campaign(spawn: &str, policy: &str, town: &str, target: &str) -> Result<compile::Plan, String> {
     let text = format!(
-        "edition 1\nimport \"std/drivers.scn\"\nimport \"std/fmvss127.scn\"\nimport \"std/ncap.scn\"\nimport \"std/r152.scn\"\npolicy follower = idm()\npolicy late = idm(actuation_delay: 0.2 s)\n\
-         campaign c {{ vehicle: model3 adversary: {target} spawn: {spawn} episode: protocol_test\n\
-         evaluate {{ towns: [{town}] policies: [{policy}] pedestrians: [scripted] episodes: 1 }} }}"
+        "edition 1\nimport \"std/drivers.scn\"\nimport \"std/fmvss127.scn\"\nimport \"std/ncap.scn\"\nimport \"std/r152.scn\"\ndriver follower = idm()\ndriver late = idm(actuation_delay: 0.2 s)\n\
+         campaign c {{ vehicle: model3 body: {target} spawn: {spawn} episode: protocol_test\n\
+         evaluate {{ towns: [{town}] drivers: [{policy}] pedestrians: [scripted] episodes: 1 }} }}"
     );
     compiled(&text)
 }
@@ -281,8 +281,8 @@ fn a_test_that_cannot_be_is_refused() {
     let with = |spawn: &str| {
         let text = format!(
             "edition 1\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\nspawn s {spawn}\n\
-             campaign c {{ vehicle: model3 adversary: adult_target spawn: s episode: protocol_test\n\
-             evaluate {{ towns: [test_track] policies: [blind] pedestrians: [scripted] episodes: 1 }} }}"
+             campaign c {{ vehicle: model3 body: adult_target spawn: s episode: protocol_test\n\
+             evaluate {{ towns: [test_track] drivers: [blind] pedestrians: [scripted] episodes: 1 }} }}"
         );
         compiled(&text).err().unwrap_or_default()
     };
@@ -415,7 +415,7 @@ fn every_row_of_fmvss_127_is_a_test_as_in_the_reference() {
         }
         assert_eq!(walk.target.half_length > 0.3, dummy == "child", "{id}");
         assert_eq!(test == "crossing_child", obstructed == "yes", "its town has the parked cars");
-        assert_eq!(walk.criterion, TestCriterion::NoContact);
+        assert_eq!(walk.criterion, TestCriterion::NoCollision);
     }
 }
 

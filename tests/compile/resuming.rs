@@ -23,23 +23,23 @@ training plain = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 
 training rich = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, frame_stack: 3, normalize_observations: true,
                     normalize_rewards: true, learning_rate_schedule: linear, target_kl: 0.05)
 campaign plain {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: plain
-  train { towns: [harbour] policies: [behavior, idm] rewards: [r2] runs: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: plain
+  train { towns: [harbour] drivers: [behavior, idm] rewards: [r2] runs: 1 }
 }
 reward led {
   potential: -distance / 30 m
-  on hit(front) => max(3, 1.5 * v_c in m/s)
+  on touch(front) => max(3, 1.5 * v_c in m/s)
 }
 campaign rich {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: rich
-  train { towns: [harbour] policies: [behavior, idm] rewards: [led] runs: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: rich
+  train { towns: [harbour] drivers: [behavior, idm] rewards: [led] runs: 1 }
 }
 training copied = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, starts: 5, hard_starts: 0.5,
                       normalize_observations: true)
 spawn ahead_of_a_moving_car { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
 campaign copied {
-  vehicle: model3  adversary: suicidal  spawn: ahead_of_a_moving_car  episode: thirty_seconds  training: copied
-  train { towns: [harbour] policies: [behavior, idm] rewards: [r2] runs: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead_of_a_moving_car  episode: thirty_seconds  training: copied
+  train { towns: [harbour] drivers: [behavior, idm] rewards: [r2] runs: 1 }
 }
 "#;
 

@@ -30,9 +30,9 @@ fn campaign(declarations: &str, policies: &str) -> Plan {
         import "lib/towns.scn"
         {declarations}
         campaign tried {{
-          vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-          train {{ towns: [harbour] policies: [blind] rewards: [r2] runs: 1 }}
-          evaluate {{ towns: [harbour] policies: [{policies}] pedestrians: [intercept] }}
+          vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+          train {{ towns: [harbour] drivers: [blind] rewards: [r2] runs: 1 }}
+          evaluate {{ towns: [harbour] drivers: [{policies}] pedestrians: [intercept] }}
         }}"#
     ))
 }
@@ -75,7 +75,7 @@ fn car(x: f64, y: f64, yaw: f64) -> Actor {
 }
 
 fn exact() -> SensorKeys {
-    let plan = campaign("sensors plain { }  policy sensing = aeb(sensors: plain)", "sensing");
+    let plan = campaign("sensors plain { }  driver sensing = aeb(sensors: plain)", "sensing");
     let driver = plan.campaigns[0].drivers.iter().find(|driver| driver.name == "sensing").unwrap();
     driver.sensor_model.as_ref().unwrap().keys.clone()
 }
@@ -133,13 +133,13 @@ fn found(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[A
 fn exact_sensors_change_no_bit_of_an_episode() {
     let names = ["behavior", "idm", "aeb", "predictive"];
     let declarations = r#"
-        policy a = behavior_agent(release: "0.9.15", sensors: perfect)
-        policy b = idm(time_headway: 1.5 s, sensors: perfect)
-        policy c = aeb(sensors: perfect)
-        policy d = predictive(sensors: perfect)
-        policy e = behavior_agent(release: "0.9.15", sensors: carla_list)
+        driver a = behavior_agent(release: "0.9.15", sensors: perfect)
+        driver b = idm(time_headway: 1.5 s, sensors: perfect)
+        driver c = aeb(sensors: perfect)
+        driver d = predictive(sensors: perfect)
+        driver e = behavior_agent(release: "0.9.15", sensors: carla_list)
     "#;
-    let others = "policy f = aeb(sensors: poor)";
+    let others = "driver f = aeb(sensors: poor)";
     // The library declares its drivers in a file without sensors named `perfect`, so they have no sensors in front of them.
     let plan = campaign(&format!("{declarations} {others}"), &format!("{}, a, b, c, d, e, f", names.join(", ")));
     let digests = |scenario: &Arc<Scenario>| -> Vec<u64> {
@@ -348,10 +348,10 @@ fn what_a_user_calls_perfect_is_nobodys_default() {
             import "std/towns.scn"
             sensors {name} {{ range: 1 m  latency: 1 s }}
             vehicle car = model3()
-            policy p = idm()
+            driver p = idm()
             campaign c {{
-              vehicle: car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
-              train {{ towns: harbour  policies: p  rewards: r1  runs: 1 }}
+              vehicle: car  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+              train {{ towns: harbour  drivers: p  rewards: r1  runs: 1 }}
             }}
             "#
         ));

@@ -16,18 +16,18 @@ edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
-reward plain { on hit => 1  on step => -0.01 }
-reward zero { potential: 0 * distance / 1 m  on hit => 1  on step => -0.01 }
+reward plain { on touch => 1  on step => -0.01 }
+reward zero { potential: 0 * distance / 1 m  on touch => 1  on step => -0.01 }
 reward shaped {
   potential: -distance / 30 m - miss_distance / 10 m + 0.1 * elapsed in s
-  on hit => 1
+  on touch => 1
   on step => -0.01
 }
 training short = ppo(steps: 300, steps_per_update: 100, epochs: 2, environments: 2)
 episode ten_seconds { ticks: 200 }
 campaign c {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: ten_seconds  training: short
-  train { towns: [harbour] policies: [behavior] rewards: [plain, zero, shaped] runs: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: ten_seconds  training: short
+  train { towns: [harbour] drivers: [behavior] rewards: [plain, zero, shaped] runs: 1 }
 }
 "#;
 

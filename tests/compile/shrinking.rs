@@ -17,11 +17,11 @@ use world::sim::WalkCommand;
 
 fn scenario(driver: &str) -> (Arc<Scenario>, Box<dyn WalkPolicy>) {
     let text = format!(
-        "edition 1\nimport \"lib/pedestrians.scn\"\nimport \"lib/drivers.scn\"\nimport \"lib/towns.scn\"\npolicy tested = {driver}\n\
+        "edition 1\nimport \"lib/pedestrians.scn\"\nimport \"lib/drivers.scn\"\nimport \"lib/towns.scn\"\ndriver tested = {driver}\n\
          spawn near {{ bearing: -40 deg .. 40 deg distance: 10 m .. 30 m }}\n\
          episode short {{ tick: 0.05 s hold: 10 ticks: 200 end_when: ahead < -6 m }}\n\
-         campaign c {{ vehicle: model3 adversary: pursuer spawn: near episode: short\n\
-         evaluate {{ towns: [village] policies: [tested] pedestrians: [intercept] episodes: 1 }} }}"
+         campaign c {{ vehicle: model3 body: pursuer spawn: near episode: short\n\
+         evaluate {{ towns: [village] drivers: [tested] pedestrians: [intercept] episodes: 1 }} }}"
     );
     let root = crate::repository().join("scenarios/test_of_shrinking.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };

@@ -21,8 +21,8 @@ fn scenario_in(town: &str, declared: &str, spawn: &str) -> Arc<Scenario> {
     let text = format!(
         "edition 1\nimport suicidal, thirty_seconds, ppo_paper, r1 from \"{0}/paper.scn\"\n\
          import \"{0}/drivers.scn\"\nimport \"{0}/carla_towns.scn\"\n{declared}\nspawn here {{ {spawn} }}\n\
-         campaign c {{ vehicle: model3 adversary: suicidal spawn: here episode: thirty_seconds training: ppo_paper\n\
-         train {{ towns: [{town}] policies: [behavior] rewards: [r1] }} }}",
+         campaign c {{ vehicle: model3 body: suicidal spawn: here episode: thirty_seconds training: ppo_paper\n\
+         train {{ towns: [{town}] drivers: [behavior] rewards: [r1] }} }}",
         lib.display()
     );
     let root = Path::new("test.scn").to_path_buf();

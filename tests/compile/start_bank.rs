@@ -20,12 +20,12 @@ fn training(spawn: &str, driver: &str, keys: &str) -> Training {
         "edition 1\nimport \"lib/paper.scn\"\nimport \"lib/drivers.scn\"\nimport \"lib/sensors.scn\"\nimport \"lib/towns.scn\"\n\
          import \"lib/pedestrians.scn\"\nimport \"lib/rewards.scn\"\n\
          training first = ppo(steps: 4_000, environments: 4, steps_per_update: 1000, epochs: 1, learning_rate: 0.000001, initial_log_std: -1{keys})\n\
-         policy sharp = idm(sensors: perfect)\n\
-         policy squinting = idm(time_headway: 1.5 s, sensors: poor)\n\
+         driver sharp = idm(sensors: perfect)\n\
+         driver squinting = idm(time_headway: 1.5 s, sensors: poor)\n\
          spawn here {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m  {spawn} }}\n\
          episode brief {{ ticks: 160  hold: 10  end_when: ahead < -6 m }}\n\
-         campaign c {{ vehicle: model3 adversary: pursuer spawn: here episode: brief training: first\n\
-         train {{ towns: [harbour] policies: [{driver}] rewards: [fault] runs: 1 }} }}"
+         campaign c {{ vehicle: model3 body: pursuer spawn: here episode: brief training: first\n\
+         train {{ towns: [harbour] drivers: [{driver}] rewards: [fault] runs: 1 }} }}"
     );
     let root = crate::repository().join("scenarios/bank.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };

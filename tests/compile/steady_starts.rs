@@ -34,16 +34,16 @@ fn plan(town: &str, spawn: &str, drivers: &[&str]) -> Plan {
     let text = format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/sensors.scn\"\nimport \"{0}/towns.scn\"\n\
          town straight {{ street {{ through: [(0 m, 0 m), (600 m, 0 m)]  speed_limit: 50 km/h }} }}\n\
-         policy by_destination = behavior_agent(route: destination)\n\
-         policy squinting = idm(sensors: poor)\n\
-         policy snail = cruise(limit_share: 0.01)\n\
-         policy outside = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 4)\n\
-         policy outside_alone = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 1)\n\
+         driver by_destination = behavior_agent(route: destination)\n\
+         driver squinting = idm(sensors: poor)\n\
+         driver snail = cruise(limit_share: 0.01)\n\
+         driver outside = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 4)\n\
+         driver outside_alone = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 1)\n\
          spawn here {{ {spawn} }}\n\
          episode brief {{ ticks: 100  hold: 10  traffic_lights: false }}\n\
-         campaign c {{ vehicle: model3 adversary: suicidal spawn: here episode: brief training: ppo_paper\n\
-         train {{ towns: [{town}] policies: [blind] rewards: [r1] runs: 1 }}\n\
-         evaluate {{ towns: [{town}] policies: [{1}] pedestrians: [intercept] episodes: 12 }} }}",
+         campaign c {{ vehicle: model3 body: suicidal spawn: here episode: brief training: ppo_paper\n\
+         train {{ towns: [{town}] drivers: [blind] rewards: [r1] runs: 1 }}\n\
+         evaluate {{ towns: [{town}] drivers: [{1}] pedestrians: [intercept] episodes: 12 }} }}",
         lib.display(),
         drivers.join(", ")
     );

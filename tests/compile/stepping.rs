@@ -128,7 +128,7 @@ fn declaration(form: &Form, name: &str, kind: u16, keys: &[(u16, u16, u16)]) -> 
 }
 
 /// Forms of which a scenario holds one declaration each, under their own names.
-const UNDER_TEST: &[&str] = &["vehicle", "adversary", "spawn", "episode", "sensors", "policy"];
+const UNDER_TEST: &[&str] = &["vehicle", "body", "spawn", "episode", "sensors", "driver"];
 
 fn scenario(kinds: &[u16; 6], keys: &[(u16, u16, u16, u16)], paid: u16, town: bool) -> String {
     let catalog = Catalog::builtin();
@@ -138,7 +138,7 @@ fn scenario(kinds: &[u16; 6], keys: &[(u16, u16, u16, u16)], paid: u16, town: bo
         let own = keys.iter().filter(|(of, ..)| usize::from(*of) % UNDER_TEST.len() == place);
         let own: Vec<_> = own.map(|(_, key, a, b)| (*key, *a, *b)).collect();
         let mut written = declaration(form, &format!("one_{name}"), *kind, &own);
-        if *name == "policy" && kind.is_multiple_of(3) {
+        if *name == "driver" && kind.is_multiple_of(3) {
             written = written.replacen("{\n", "{\n  sensors: one_sensors\n", 1);
         }
         text.push_str(&written);
@@ -146,10 +146,10 @@ fn scenario(kinds: &[u16; 6], keys: &[(u16, u16, u16, u16)], paid: u16, town: bo
     let formula = pick(PAID, paid);
     let _ = write!(
         text,
-        "reward one_reward {{ on step => {formula}  on hit => {formula}  on timeout => {formula}  potential: {formula} }}
+        "reward one_reward {{ on step => {formula}  on touch => {formula}  on timeout => {formula}  potential: {formula} }}
 campaign c {{
-  vehicle: one_vehicle  adversary: one_adversary  spawn: one_spawn  episode: one_episode  training: ppo_paper
-  train {{ towns: [{}]  policies: [one_policy]  rewards: [one_reward]  runs: 1 }}
+  vehicle: one_vehicle  body: one_body  spawn: one_spawn  episode: one_episode  training: ppo_paper
+  train {{ towns: [{}]  drivers: [one_driver]  rewards: [one_reward]  runs: 1 }}
 }}
 ",
         if town { "lane" } else { "village" }

@@ -27,11 +27,11 @@ fn in_street(parts: &str, rest: &str) -> Campaign {
         "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\n\
          town here {{ shoulder: 2.5 m  street main {{ through: [(-200 m, 0 m), (200 m, 0 m)] }}\n{parts} }}\n\
          spawn beside {{ ego_poses: [(-100 m, -1.75 m, 0 deg)] }}\n\
-         campaign c {{ vehicle: model3  adversary: suicidal  episode: thirty_seconds  spawn: beside\n{rest} }}"
+         campaign c {{ vehicle: model3  body: suicidal  episode: thirty_seconds  spawn: beside\n{rest} }}"
     ))
 }
 
-const STANDING: &str = "evaluate { towns: [here]  policies: [blind]  pedestrians: [homing]  episodes: 1 }";
+const STANDING: &str = "evaluate { towns: [here]  drivers: [blind]  pedestrians: [homing]  episodes: 1 }";
 
 #[test]
 fn a_row_holds_as_many_cars_as_there_is_room_for() {
@@ -70,8 +70,8 @@ fn a_bus_is_an_obstacle_of_its_size() {
 fn walking(spawn: &str, policy: &str) -> Arc<Scenario> {
     let text = format!(
         "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\nspawn path = given_path({spawn})\n\
-         campaign c {{ vehicle: model3  adversary: adult_target  episode: protocol_test  spawn: path\n\
-         evaluate {{ towns: [test_track]  policies: [{policy}]  pedestrians: [scripted]  episodes: 4 }} }}"
+         campaign c {{ vehicle: model3  body: adult_target  episode: protocol_test  spawn: path\n\
+         evaluate {{ towns: [test_track]  drivers: [{policy}]  pedestrians: [scripted]  episodes: 4 }} }}"
     );
     campaign(&text).nth::<compile::Evaluation>(0).scenario.clone()
 }
@@ -142,8 +142,8 @@ fn protocol(test: &str, adversary: &str, policy: &str, keys: &str) -> Arc<Scenar
     let text = format!(
         "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
          episode here {{ tick: 0.05 s  hold: 300  ticks: 300  {keys} }}\n\
-         campaign c {{ vehicle: model3  adversary: {adversary}  episode: here  spawn: {test}\n\
-         evaluate {{ towns: [{town}]  policies: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
+         campaign c {{ vehicle: model3  body: {adversary}  episode: here  spawn: {test}\n\
+         evaluate {{ towns: [{town}]  drivers: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
     );
     campaign(&text).nth::<compile::Evaluation>(0).scenario.clone()
 }
@@ -200,8 +200,8 @@ fn a_car_on_ice_slides_out_of_a_bend() {
              episode here {{ ticks: 120  hold: 120  {keys} }}\n\
              spawn path = given_path(ego_poses: [(-40 m, -1.75 m, 0 deg)], ego_speed: 10 m/s,\n\
              through: [(-90 m, 30 m), (-90 m, 31 m)], speeds: [1 m/s])\n\
-             campaign c {{ vehicle: model3  adversary: adult_target  episode: here  spawn: path\n\
-             evaluate {{ towns: [bend]  policies: [blind]  pedestrians: [scripted]  episodes: 1 }} }}"
+             campaign c {{ vehicle: model3  body: adult_target  episode: here  spawn: path\n\
+             evaluate {{ towns: [bend]  drivers: [blind]  pedestrians: [scripted]  episodes: 1 }} }}"
         );
         let scenario = campaign(&text).nth::<compile::Evaluation>(0).scenario.clone();
         let (_, trace) = scripted(&scenario, 1).swap_remove(0);
@@ -215,14 +215,14 @@ fn a_car_on_ice_slides_out_of_a_bend() {
 fn in_town(town: &str, spawn: &str, episode: &str, policy: &str) -> Arc<Scenario> {
     let text = format!(
         "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
-         policy yielding = idm(time_headway: 1.5 s, crosswalks: yield)\n\
-         policy yielding_aeb = aeb(crosswalks: yield)\npolicy yielding_rss = rss_guarded(crosswalks: yield)\n\
-         policy yielding_predictive = predictive(crosswalks: yield)\n\
-         policy yielding_oracle = oracle_brake(crosswalks: yield)\n\
+         driver yielding = idm(time_headway: 1.5 s, crosswalks: yield)\n\
+         driver yielding_aeb = aeb(crosswalks: yield)\ndriver yielding_rss = rss_guarded(crosswalks: yield)\n\
+         driver yielding_predictive = predictive(crosswalks: yield)\n\
+         driver yielding_oracle = oracle_brake(crosswalks: yield)\n\
          town here {{ {town} }}\nspawn path = given_path({spawn})\n\
          episode here {{ {episode} }}\n\
-         campaign c {{ vehicle: model3  adversary: adult_target  episode: here  spawn: path\n\
-         evaluate {{ towns: [here]  policies: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
+         campaign c {{ vehicle: model3  body: adult_target  episode: here  spawn: path\n\
+         evaluate {{ towns: [here]  drivers: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
     );
     campaign(&text).nth::<compile::Evaluation>(0).scenario.clone()
 }

@@ -31,10 +31,10 @@ fn text(fault: &str, settings: &str, policies: &str, worlds: &str) -> String {
     format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
          world other = bridge(command: \"python3 world.py {fault}\", {settings})\n\
-         policy theirs = native(driver: \"theirs\")\npolicy unknown = native(driver: \"nobody\")\n\
+         driver theirs = native(name: \"theirs\")\ndriver unknown = native(name: \"nobody\")\n\
          spawn driving {{ bearing: -45 deg .. 45 deg distance: 15 m .. 40 m }}\n\
-         campaign worlds {{ vehicle: model3 adversary: suicidal spawn: driving episode: thirty_seconds\n\
-         evaluate {{ towns: [harbour] policies: [{policies}] pedestrians: [intercept] episodes: {EPISODES} worlds: [{worlds}] }} }}\n",
+         campaign worlds {{ vehicle: model3 body: suicidal spawn: driving episode: thirty_seconds\n\
+         evaluate {{ towns: [harbour] drivers: [{policies}] pedestrians: [intercept] episodes: {EPISODES} worlds: [{worlds}] }} }}\n",
         repository().join("scenarios/lib").display()
     )
 }

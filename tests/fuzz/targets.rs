@@ -150,11 +150,11 @@ fn scenario() -> Arc<Scenario> {
 import \"std/paper.scn\"
 import \"std/drivers.scn\"
 import \"std/towns.scn\"
-policy mine = external(command: \"driver\", worlds: 1)
+driver mine = external(command: \"driver\", worlds: 1)
 episode brief { ticks: 10 }
 campaign fuzz {
-  vehicle: model3 adversary: suicidal spawn: ahead episode: brief
-  evaluate { towns: [harbour] policies: [mine] pedestrians: [random] episodes: 1 }
+  vehicle: model3 body: suicidal spawn: ahead episode: brief
+  evaluate { towns: [harbour] drivers: [mine] pedestrians: [random] episodes: 1 }
 }
 ";
     let read = |path: &Path| if path == Path::new("fuzz.scn") { Ok(text.to_string()) } else { Err(absent()) };
@@ -205,7 +205,7 @@ mod tests {
         let pedestrian = include_bytes!("../reference/sb3_update/before.safetensors");
         assert!(ActorCritic::from_safetensors(pedestrian).is_ok());
         damage(policy, pedestrian);
-        damage(front_end, b"edition 1\nreward r { on hit => max(3, 1.5 * v_c) }\n");
+        damage(front_end, b"edition 1\nreward r { on touch => max(3, 1.5 * v_c) }\n");
         let model = include_bytes!("../reference/onnx/follow.onnx");
         assert!(onnx::Model::read(model.to_vec()).is_ok());
         damage(network, model);

@@ -12,9 +12,9 @@ fn write_campaign(folder: &Path) {
     let text = format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
          training quick = ppo(steps: 120, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])\n\
-         campaign shared {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: quick\n\
-         train {{ towns: [harbour] policies: [behavior] rewards: [r1, r2] runs: 1 }}\n\
-         evaluate {{ towns: [village] policies: [blind] pedestrians: [trained, random] episodes: 12 }} }}\n",
+         campaign shared {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: quick\n\
+         train {{ towns: [harbour] drivers: [behavior] rewards: [r1, r2] runs: 1 }}\n\
+         evaluate {{ towns: [village] drivers: [blind] pedestrians: [trained, random] episodes: 12 }} }}\n",
         lib.display()
     );
     std::fs::write(folder.join("shared.scn"), text).unwrap();

@@ -70,10 +70,10 @@ import \"std/paper.scn\"
 town street { street main { through: [(0 m, 0 m), (400 m, 0 m)]  speed_limit: 50 km/h } }
 spawn kerb { ego_poses: [(100 m, -1.75 m, 0 deg)]  ego_speed: 8 m/s  bearing: -20 deg .. -8 deg  distance: 18 m .. 28 m }
 campaign van {
-  vehicle: model3  adversary: suicidal  spawn: kerb  episode: thirty_seconds
+  vehicle: model3  body: suicidal  spawn: kerb  episode: thirty_seconds
   cast { CAST }
   REQUIRED
-  evaluate { towns: [street]  policies: [idm()]  pedestrians: [intercept]  episodes: 60 }
+  evaluate { towns: [street]  drivers: [idm()]  pedestrians: [intercept]  episodes: 60 }
 }
 ";
 
@@ -96,12 +96,12 @@ fn casts_that_cannot_be_placed_or_named_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (cast, required, why) in [
         (
-            "a: vehicle(policy: idm(), behind: ego)  b: vehicle(policy: idm(), behind: ego)",
+            "a: vehicle(driver: idm(), behind: ego)  b: vehicle(driver: idm(), behind: ego)",
             "",
             "a second car behind the ego",
         ),
         (
-            "a: vehicle(policy: idm(), behind: ego)  b: pedestrian(walker: natural, beside: a)  c: pedestrian()",
+            "a: vehicle(driver: idm(), behind: ego)  b: pedestrian(moved_by: natural, beside: a)  c: pedestrian()",
             "",
             "gets its place when the episode starts",
         ),

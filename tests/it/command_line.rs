@@ -9,9 +9,9 @@ fn campaign() -> String {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
-         campaign tiny {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
-         train {{ towns: [harbour] policies: [behavior] rewards: [r1] runs: 2 }}\n\
-         evaluate {{ towns: [village] policies: [blind] episodes: 10 }} }}\n",
+         campaign tiny {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
+         train {{ towns: [harbour] drivers: [behavior] rewards: [r1] runs: 2 }}\n\
+         evaluate {{ towns: [village] drivers: [blind] episodes: 10 }} }}\n",
         lib.display()
     )
 }
@@ -20,8 +20,8 @@ fn campaign() -> String {
 fn untrained_controllers_are_evaluated() {
     let folder = tempfile::tempdir().unwrap();
     let text = "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
-        campaign naive { vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds\n\
-        evaluate { towns: [harbour] policies: [blind] pedestrians: [random, homing, intercept] episodes: 10 } }\n";
+        campaign naive { vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds\n\
+        evaluate { towns: [harbour] drivers: [blind] pedestrians: [random, homing, intercept] episodes: 10 } }\n";
     std::fs::write(folder.path().join("naive.scn"), text).unwrap();
     let output = falsify(&["run", "naive.scn", "--out", "out"], folder.path());
     assert!(output.status.success(), "{}", error(&output));
@@ -108,8 +108,8 @@ town t = opendrive(file: "map.xodr")
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
 episode brief { ticks: 100  hold: 10 }
 campaign c {
-  vehicle: model3  adversary: plausible  spawn: near  episode: brief
-  evaluate { towns: [t]  policies: [idm]  pedestrians: [intercept]  episodes: 4 }
+  vehicle: model3  body: plausible  spawn: near  episode: brief
+  evaluate { towns: [t]  drivers: [idm]  pedestrians: [intercept]  episodes: 4 }
 }
 "#;
 
@@ -164,7 +164,7 @@ fn what_is_about_parts_that_a_town_lacks_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let lane = map_with_lane("driving", r#"<width a="3.5"/>"#);
     let about = ON_A_MAP
-        .replace("\ntown t", "\nimport \"std/requirements.scn\"\npolicy careful = aeb(crosswalks: yield)\ntown t")
+        .replace("\ntown t", "\nimport \"std/requirements.scn\"\ndriver careful = aeb(crosswalks: yield)\ntown t")
         .replace("spawn: near", "spawn: near  requirements: [keeps_lane, yields_at_crosswalk, stops_at_red]")
         .replace("[idm]", "[idm, careful]");
     std::fs::write(folder.path().join("drive.scn"), about).unwrap();
@@ -410,7 +410,7 @@ fn a_setting_takes_the_place_of_a_matrix() {
 fn output_that_is_lost_is_noticed() {
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let mut command = command();
-    let output = command.args(["explain", "policy"]).stdout(full).output().unwrap();
+    let output = command.args(["explain", "driver"]).stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(6), "{output:?}");
 }
 
@@ -419,7 +419,7 @@ fn check_fix_applies_repairs_without_an_alternative() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("typo.scn");
     let text =
-        "edition 1\npolicy p = idm(time_hedway: 2 s)\nepisode e { tiks: 600 }\nspawn s { distance: 7 .. 30 m }\n";
+        "edition 1\ndriver p = idm(time_hedway: 2 s)\nepisode e { tiks: 600 }\nspawn s { distance: 7 .. 30 m }\n";
     std::fs::write(&file, text).unwrap();
     let output = falsify(&["check", "--fix", "typo.scn"], folder.path());
     let repaired = std::fs::read_to_string(&file).unwrap();
@@ -441,8 +441,8 @@ fn rewards_that_pay_nothing_and_speeds_that_no_car_reaches_are_named() {
              town t {{ street a {{ through: [(0 m, 0 m), (400 m, 0 m)]  {limit} }} }}\n\
              spawn near {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m  {start} }}\nepisode brief {{ ticks: 100  hold: 10 }}\n\
              requirement slow = {requirement}\nreward mine {{ {pay} }}\n\
-             campaign c {{ vehicle: model3  adversary: suicidal  spawn: near  episode: brief  training: ppo_paper  requirements: [slow]\n\
-             train {{ towns: [t]  policies: [idm]  rewards: [mine]  runs: 1 }} }}\n"
+             campaign c {{ vehicle: model3  body: suicidal  spawn: near  episode: brief  training: ppo_paper  requirements: [slow]\n\
+             train {{ towns: [t]  drivers: [idm]  rewards: [mine]  runs: 1 }} }}\n"
         );
         std::fs::write(folder.path().join("my.scn"), text).unwrap();
         let output = falsify(&["check", "my.scn"], folder.path());
@@ -450,7 +450,7 @@ fn rewards_that_pay_nothing_and_speeds_that_no_car_reaches_are_named() {
         let said = error(&output);
         ["warning[unreachable-speed]", "warning[never-positive]"].map(|code| said.contains(code))
     };
-    let pays = "on hit => 1  on step => -0.01 * distance / 1 m";
+    let pays = "on touch => 1  on step => -0.01 * distance / 1 m";
     assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "", "", pays), [true, false]);
     assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 km/h)", "", "", pays), [false, false]);
     assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "speed_limit: 60 km/h", "", pays), [false, false]);
@@ -458,7 +458,7 @@ fn rewards_that_pay_nothing_and_speeds_that_no_car_reaches_are_named() {
         warns("always(gap < 1 m implies ego_speed < 20 m/s)", "", "ego_speed: 18 m/s .. 20 m/s", pays),
         [false, false]
     );
-    let never = "on hit(fault) => 0  on hit => -1  on step => -0.01 * distance / 1 m";
+    let never = "on touch(fault) => 0  on touch => -1  on step => -0.01 * distance / 1 m";
     assert_eq!(warns("always(gap > 0.5 m)", "", "", never), [false, true]);
     assert_eq!(
         warns("always(gap > 0.5 m)", "", "", "on step => -1  on timeout => min(3, distance / 1 m)"),

@@ -12,13 +12,13 @@ import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 param share: number = 0.2
-policy slow = cruise(limit_share: 0.2)
-policy changed = cruise(limit_share: share)
-falsifier home = homing()
+driver slow = cruise(limit_share: 0.2)
+driver changed = cruise(limit_share: share)
+method home = homing()
 campaign two {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour] policies: [slow, changed] pedestrians: [random, intercept] episodes: 15 }
-  search { towns: [harbour] policies: [slow, changed] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour] drivers: [slow, changed] pedestrians: [random, intercept] episodes: 15 }
+  search { towns: [harbour] drivers: [slow, changed] methods: [home] budget: 3_000 runs: 1 episodes: 0 }
 }
 "#;
 
@@ -58,7 +58,7 @@ fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
     assert_eq!(text(&table).lines().count(), objects.len() + 1);
 
     let speed = |object: &serde_json::Value| object["impact_speed_mps"].as_f64().unwrap();
-    let fast = objects.iter().filter(|object| object["policy"] == "slow" && speed(object) >= 1.0).count();
+    let fast = objects.iter().filter(|object| object["driver"] == "slow" && speed(object) >= 1.0).count();
     assert_eq!(names(&["--driver", "slow", "--min-speed", "1"]).lines().count(), fast);
     // A word that no report has is a mistake, not an empty list.
     for (option, wrong, known) in [
@@ -125,7 +125,7 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     let changed = object(&["compare", "old/two", "new/two"]);
     assert!(changed["notes"].to_string().contains("`share = 0.9` after"), "{}", changed["notes"]);
     let cells = changed["cells"].as_array().unwrap();
-    let of = |policy: &str| cells.iter().filter(|cell| cell["policy"] == policy).collect::<Vec<_>>();
+    let of = |policy: &str| cells.iter().filter(|cell| cell["driver"] == policy).collect::<Vec<_>>();
     assert!(of("slow").iter().all(|cell| cell["collisions_new"] == 0 && cell["collisions_fixed"] == 0));
     let differs = of("changed").iter().any(|cell| cell["collisions_new"] != 0 || cell["collisions_fixed"] != 0);
     assert!(differs, "{cells:?}");
@@ -136,12 +136,12 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     }
     let drivers = object(&["compare", "new/two", "--drivers", "slow", "changed"]);
     let pairs = drivers["cells"].as_array().unwrap();
-    assert!(pairs.iter().all(|cell| cell["policy"] == "slow" && cell["other_policy"] == "changed"), "{pairs:?}");
+    assert!(pairs.iter().all(|cell| cell["driver"] == "slow" && cell["other_driver"] == "changed"), "{pairs:?}");
 
     // Searches are compared over the starts that both tried.
     let search = |object: &serde_json::Value, policy: &str| {
         let searches = object["searches"].as_array().unwrap();
-        searches.iter().find(|search| search["policy"] == policy).unwrap().clone()
+        searches.iter().find(|search| search["driver"] == policy).unwrap().clone()
     };
     for policy in ["slow", "changed"] {
         let equal = search(&same, policy);
@@ -153,7 +153,7 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     let own = search(&changed, "changed");
     let number = |part: &str| own[part].as_u64().unwrap();
     assert!(number("failed_starts_new") + number("failed_starts_fixed") > 0, "{own}");
-    assert_eq!(search(&drivers, "slow")["other_policy"], "changed");
+    assert_eq!(search(&drivers, "slow")["other_driver"], "changed");
     for start in changed["starts"].as_array().unwrap() {
         assert!(start["before"]["name"].is_string() || start["after"]["name"].is_string(), "{start}");
     }
@@ -166,7 +166,7 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     assert_eq!(gate("tried_starts > 1000"), Some(0));
     assert_eq!(gate("tried_starts > 0 and falsifier == none_such"), Some(2), "it speaks of nothing");
     assert_eq!(gate("common_start > 15"), Some(2), "no such column");
-    assert_eq!(gate("common_starts > 15 and policy == none_such"), Some(2), "it speaks of nothing");
+    assert_eq!(gate("common_starts > 15 and driver == none_such"), Some(2), "it speaks of nothing");
     let baseline = ["run", "two.scn", "--out", "new", "--set", "share=0.9", "--baseline", "old", "--fail-if"];
     let blocked = falsify(&[&baseline[..], &["common_starts >= 15"]].concat(), here);
     assert_eq!(blocked.status.code(), Some(7), "{blocked:?}");
@@ -198,7 +198,7 @@ fn the_row_of_all_untrained_controllers_leaves_out_trained_ones() {
             "campaign two {",
             "training short = ppo(steps: 600, environments: 2)\ncampaign two {\n  training: short",
         )
-        .replace("evaluate {", "train { towns: [harbour] policies: [slow] rewards: [r1] runs: 2 }\n  evaluate {")
+        .replace("evaluate {", "train { towns: [harbour] drivers: [slow] rewards: [r1] runs: 2 }\n  evaluate {")
         .replace("[random, intercept]", "[trained, random, intercept]");
     std::fs::write(here.join("two.scn"), scenario).unwrap();
     let output = falsify(&["run", "two.scn"], here);
@@ -207,7 +207,7 @@ fn the_row_of_all_untrained_controllers_leaves_out_trained_ones() {
     let object: serde_json::Value = serde_json::from_slice(&falsify(&compared, here).stdout).unwrap();
     let rows = object["cells"].as_array().unwrap();
     let sum = |key: &str, is: fn(&str) -> bool| -> u64 {
-        let chosen = rows.iter().filter(|row| is(row["controller"].as_str().unwrap()));
+        let chosen = rows.iter().filter(|row| is(row["pedestrian"].as_str().unwrap()));
         chosen.map(|row| row[key].as_u64().unwrap()).sum()
     };
     assert!(sum("runs", |controller| controller == "trained") > 0, "{object}");
@@ -222,8 +222,8 @@ fn seeds_are_pooled_and_stop_at_the_first_report_in_the_way() {
     let folder = tempfile::tempdir().unwrap();
     let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
                 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }\nepisode short { ticks: 240  hold: 10 }\n\
-                campaign c {\n  vehicle: model3  adversary: pursuer  spawn: near  episode: short\n\
-                evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random, intercept]  episodes: 40 }\n}\n";
+                campaign c {\n  vehicle: model3  body: pursuer  spawn: near  episode: short\n\
+                evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [random, intercept]  episodes: 40 }\n}\n";
     std::fs::write(folder.path().join("c.scn"), text).unwrap();
     let output = falsify(&["run", "c.scn", "--seeds", "1..4"], folder.path());
     let said = String::from_utf8(output.stdout).unwrap();

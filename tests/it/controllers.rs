@@ -36,13 +36,13 @@ fn folder(name: &str) -> PathBuf {
 fn text(controller: &str, policy: &str) -> String {
     format!(
         "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
-         controller mine = {controller}\n\
-         falsifier hunt = controlled(controller: mine)\n\
-         policy other = {policy}\n\
+         pedestrian mine = {controller}\n\
+         method hunt = controlled(pedestrian: mine)\n\
+         driver other = {policy}\n\
          episode brief {{ ticks: 120 }}\n\
-         campaign outside {{ vehicle: model3 adversary: suicidal spawn: ahead episode: brief\n\
-         evaluate {{ towns: [harbour] policies: [other] pedestrians: [mine, homing] episodes: {EPISODES} }}\n\
-         search {{ towns: [harbour] policies: [other] falsifiers: [hunt] budget: 4_000 runs: 1 episodes: 4 }} }}\n"
+         campaign outside {{ vehicle: model3 body: suicidal spawn: ahead episode: brief\n\
+         evaluate {{ towns: [harbour] drivers: [other] pedestrians: [mine, homing] episodes: {EPISODES} }}\n\
+         search {{ towns: [harbour] drivers: [other] methods: [hunt] budget: 4_000 runs: 1 episodes: 4 }} }}\n"
     )
 }
 
@@ -195,11 +195,11 @@ fn what_cannot_walk_is_an_error_with_the_remedy() {
         error(&falsify(&["check", "a.scn"], place.path()))
     };
     let inline = check("[mine, homing]", "[external(\"python3 a.py\")]");
-    assert!(inline.contains("declare it: `controller mine = external(\"python3 a.py\")`"), "{inline}");
+    assert!(inline.contains("declare it: `pedestrian mine = external(\"python3 a.py\")`"), "{inline}");
     let typo = check("[mine, homing]", "[mime]");
     assert!(typo.contains("`mime`") && typo.contains("`mine`"), "{typo}");
     let taken = check("mine", "random");
-    assert!(taken.contains("`random` is the name of a built-in `controller`"), "{taken}");
+    assert!(taken.contains("`random` is the name of a built-in `pedestrian`"), "{taken}");
 }
 
 #[test]
@@ -216,7 +216,7 @@ fn reports_replays_and_gates_treat_a_program_as_any_controller() {
     let refused = falsify(&["run", "a.scn"], place.path());
     assert_eq!(refused.status.code(), Some(3), "{}", error(&refused));
     let run =
-        ["run", "--allow-external", "--fail-if", "collision_rate > 0 and controller == mine", "--out", "out", "a.scn"];
+        ["run", "--allow-external", "--fail-if", "collision_rate > 0 and pedestrian == mine", "--out", "out", "a.scn"];
     let output = falsify(&run, place.path());
     assert_eq!(output.status.code(), Some(7), "{}{}", said(&output), error(&output));
     let episodes = std::fs::read_to_string(place.path().join("out/outside/episodes.csv")).unwrap();
@@ -224,7 +224,7 @@ fn reports_replays_and_gates_treat_a_program_as_any_controller() {
     let place_of = |name: &str| names.iter().position(|each| *each == name).unwrap();
     let rows: Vec<Vec<&str>> = episodes.lines().skip(1).map(|line| line.split(',').collect()).collect();
     let digests = |controller: &str| -> Vec<&str> {
-        rows.iter().filter(|row| row[place_of("controller")] == controller).map(|row| row[place_of("digest")]).collect()
+        rows.iter().filter(|row| row[place_of("pedestrian")] == controller).map(|row| row[place_of("digest")]).collect()
     };
     assert_eq!(digests("mine").len(), EPISODES as usize);
     assert_eq!(digests("mine"), digests("homing"));

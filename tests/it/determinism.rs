@@ -11,9 +11,9 @@ import "lib/drivers.scn"
 import "lib/towns.scn"
 training short = ppo(steps: 600, environments: 2)
 campaign twice {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
-  train { towns: [harbour] policies: [behavior, idm] rewards: [r1, r2] runs: 2 }
-  evaluate { towns: [village] policies: [behavior, blind] pedestrians: [trained, random, intercept] episodes: 6 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] drivers: [behavior, idm] rewards: [r1, r2] runs: 2 }
+  evaluate { towns: [village] drivers: [behavior, blind] pedestrians: [trained, random, intercept] episodes: 6 }
 }
 "#;
 

@@ -9,14 +9,14 @@ import "std/towns.scn"
 import "std/requirements.scn"
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }
 episode short { ticks: 240  hold: 10  end_when: ahead < -6 m }
-falsifier meet = intercept()
+method meet = intercept()
 sensors slow { latency: 100 ms  sector { width: 3 rad  range: 0.05 km } }
-policy near = idm(margin: 20 cm, time_headway: 1.5 s, crosswalks: yield, sensors: slow)
+driver near = idm(margin: 20 cm, time_headway: 1.5 s, crosswalks: yield, sensors: slow)
 campaign c {
-  vehicle: model3  adversary: pursuer  spawn: near  episode: short
+  vehicle: model3  body: pursuer  spawn: near  episode: short
   REQUIRED
-  evaluate { towns: [village]  policies: [behavior, near]  pedestrians: [hunter]  episodes: 60 }
-  search { towns: [harbour]  policies: [behavior]  falsifiers: [meet]  budget: 8_000  runs: 1  episodes: 0 }
+  evaluate { towns: [village]  drivers: [behavior, near]  pedestrians: [hunter]  episodes: 60 }
+  search { towns: [harbour]  drivers: [behavior]  methods: [meet]  budget: 8_000  runs: 1  episodes: 0 }
 }
 "#;
 

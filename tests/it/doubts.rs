@@ -13,16 +13,16 @@ import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 training short = ppo(steps: 256, steps_per_update: 128)
-reward unpaid { on hit => 0 }
+reward unpaid { on touch => 0 }
 campaign unpaid_hits {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
-  train { towns: [harbour] policies: [behavior] rewards: [unpaid] runs: 1 }
-  evaluate { towns: [harbour] policies: [behavior] pedestrians: [trained, random] episodes: 10 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] drivers: [behavior] rewards: [unpaid] runs: 1 }
+  evaluate { towns: [harbour] drivers: [behavior] pedestrians: [trained, random] episodes: 10 }
 }
 campaign short_of_steps {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
-  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 2 }
-  evaluate { towns: [harbour] policies: [behavior] pedestrians: [trained, random, intercept] episodes: 120 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] drivers: [behavior] rewards: [r1] runs: 2 }
+  evaluate { towns: [harbour] drivers: [behavior] pedestrians: [trained, random, intercept] episodes: 120 }
 }
 "#;
 
@@ -71,8 +71,8 @@ fn a_training_that_learnt_nothing_is_a_warning_in_every_output_and_fails_a_gate(
     assert!(said(&json).contains("learnt is no"), "{}", said(&json));
 
     // No training hides what `intercept` finds.
-    let of_trained = ["--fail-if", "collision_rate > 0.3 and controller == trained"];
-    let of_all = ["--fail-if", "max over controllers collision_rate > 0.3"];
+    let of_trained = ["--fail-if", "collision_rate > 0.3 and pedestrian == trained"];
+    let of_all = ["--fail-if", "max over pedestrians collision_rate > 0.3"];
     for (gate, code) in [(of_trained, 0), (of_all, 7)] {
         let run = falsify(&[&["run", "doubtful.scn"], &gate[..]].concat(), here);
         assert_eq!(run.status.code(), Some(code), "{gate:?}: {}", said(&run));

@@ -23,7 +23,7 @@ spawn near { distance: 10 m .. 30 m }
 episode short { ticks: 60  hold: 10 }
 training quick = ppo(steps: 900, steps_per_update: 150, epochs: 2, batch_size: 128, environments: 3, initial_log_std: -3, hidden: [24])
 campaign driving {
-  vehicle: model3  adversary: plausible  spawn: near  episode: short  training: quick
+  vehicle: model3  body: plausible  spawn: near  episode: short  training: quick
   drive { towns: [harbour, village]  imitates: idm  KEYS }
 }
 "#;

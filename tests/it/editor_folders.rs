@@ -82,8 +82,7 @@ fn the_name_of_a_declaration_answers_as_its_uses_do() {
     assert_eq!(*result(&answers, nothing), Value::Null);
 
     // Names of the library cannot be given up, and only editors that ask beforehand are offered it.
-    let text =
-        "edition 1\nimport \"std/towns.scn\"\nfalsifier f = chance()\ncampaign c { search { towns: [harbour] } }\n";
+    let text = "edition 1\nimport \"std/towns.scn\"\nmethod f = chance()\ncampaign c { search { towns: [harbour] } }\n";
     let capabilities = json!({ "textDocument": { "rename": { "prepareSupport": true } } });
     let mut asking = Session::with(&json!({ "capabilities": capabilities }));
     asking.open(uri, text);
@@ -178,12 +177,12 @@ fn a_change_on_disk_is_seen_in_the_open_files_that_import_it() {
 
 #[test]
 fn a_half_typed_kind_hides_no_other_declaration() {
-    let text = "edition 1\nimport \"std/towns.scn\"\nfalsifier f = archive(rew\n/// Pays.\nreward pays { on hit => 1 }\n\
-        falsifier meet = intercept()\ncampaign c {\n  search { towns: [harbour]  falsifiers: [meet] }\n}\n";
+    let text = "edition 1\nimport \"std/towns.scn\"\nmethod f = archive(rew\n/// Pays.\nreward pays { on touch => 1 }\n\
+        method meet = intercept()\ncampaign c {\n  search { towns: [harbour]  methods: [meet] }\n}\n";
     let mut session = Session::new();
     let uri = "untitled:half";
     session.open(uri, text);
-    let at = json!({ "line": 2, "character": "falsifier f = archive(rew".len() });
+    let at = json!({ "line": 2, "character": "method f = archive(rew".len() });
     let completion = session.ask("textDocument/completion", json!({ "textDocument": { "uri": uri }, "position": at }));
     let hover = session.ask_at("textDocument/hover", uri, text, "harbour]");
     let definition = session.ask_at("textDocument/definition", uri, text, "meet]");
@@ -191,5 +190,5 @@ fn a_half_typed_kind_hides_no_other_declaration() {
     assert!(labels(&answers, completion).iter().any(|label| label == "reward"), "{answers:?}");
     let said = result(&answers, hover)["contents"]["value"].as_str().unwrap_or_default();
     assert!(said.contains("port"), "{said}");
-    assert_eq!(result(&answers, definition)["range"]["start"], json!({ "line": 5, "character": 10 }));
+    assert_eq!(result(&answers, definition)["range"]["start"], json!({ "line": 5, "character": 7 }));
 }

@@ -235,7 +235,7 @@ struct Key<'a> {
     param: &'a Param,
 }
 
-/// `policy idm.margin`, `town.street.through`, `sensors *.near` for any kind.
+/// `driver idm.margin`, `town.street.through`, `sensors *.near` for any kind.
 fn path_of(form: &str, kind: Option<&str>, block: Option<&str>, key: &str) -> String {
     let kind = kind.map_or(String::new(), |kind| format!(" {kind}"));
     let block = block.map_or(String::new(), |block| format!(".{block}"));
@@ -297,7 +297,7 @@ impl Key<'_> {
         let blocks = need.stage.get("campaign").unwrap_or(blocks);
         let _ = writeln!(
             text,
-            "}}\ncampaign c {{\n  vehicle: the_vehicle  adversary: the_adversary  spawn: the_spawn  episode: the_episode\n{blocks}\n}}"
+            "}}\ncampaign c {{\n  vehicle: the_vehicle  body: the_body  spawn: the_spawn  episode: the_episode\n{blocks}\n}}"
         );
         text
     }
@@ -524,7 +524,7 @@ fn check(form: &str) {
     let form = catalog.forms.iter().find(|each| each.name == form).unwrap();
     let mut bases = BTreeMap::new();
     let mut failures = Vec::new();
-    // While a table is written, the keys of one kind are enough: `KEYS=policy cargo test every_key`.
+    // While a table is written, the keys of one kind are enough: `KEYS=driver cargo test every_key`.
     let only = std::env::var("KEYS").unwrap_or_default();
     for key in keys(form) {
         let name = &key.paths(key.param.name)[0];
@@ -554,16 +554,16 @@ macro_rules! forms {
 
 forms! {
     keys_of_towns_change_outcomes: "town",
-    keys_of_policies_change_outcomes: "policy",
+    keys_of_drivers_change_outcomes: "driver",
     keys_of_sensors_change_outcomes: "sensors",
     keys_of_vehicles_change_outcomes: "vehicle",
-    keys_of_adversaries_change_outcomes: "adversary",
+    keys_of_bodies_change_outcomes: "body",
     keys_of_spawns_change_outcomes: "spawn",
     keys_of_rewards_change_outcomes: "reward",
     keys_of_episodes_change_outcomes: "episode",
     keys_of_trainings_change_outcomes: "training",
-    keys_of_controllers_change_outcomes: "controller",
-    keys_of_falsifiers_change_outcomes: "falsifier",
+    keys_of_pedestrians_change_outcomes: "pedestrian",
+    keys_of_methods_change_outcomes: "method",
     keys_of_worlds_change_outcomes: "world",
     keys_of_requirements_change_outcomes: "requirement",
     keys_of_roles_change_outcomes: "role",

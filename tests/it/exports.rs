@@ -206,8 +206,8 @@ import "std/drivers.scn"
 import "std/towns.scn"
 episode dark { tick: 0.05 s  hold: 20  ticks: 600  traffic_lights: false }
 campaign out {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: dark
-  evaluate { towns: [harbour, village] policies: [blind, idm] pedestrians: [intercept] episodes: 4 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: dark
+  evaluate { towns: [harbour, village] drivers: [blind, idm] pedestrians: [intercept] episodes: 4 }
 }
 "#;
 

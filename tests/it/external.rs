@@ -35,12 +35,12 @@ fn folder(name: &str) -> PathBuf {
 fn text(command: &str, settings: &str) -> String {
     format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
-         policy mine = external(command: \"{command}\", {settings})\n\
+         driver mine = external(command: \"{command}\", {settings})\n\
          training short = ppo(steps: 300)\n\
          episode brief {{ ticks: 80 }}\n\
-         campaign outside {{ vehicle: model3 adversary: suicidal spawn: ahead episode: brief training: short\n\
-         train {{ towns: [harbour] policies: [blind] rewards: [r1] runs: 1 }}\n\
-         evaluate {{ towns: [harbour] policies: [mine] pedestrians: [random] episodes: {EPISODES} }} }}\n",
+         campaign outside {{ vehicle: model3 body: suicidal spawn: ahead episode: brief training: short\n\
+         train {{ towns: [harbour] drivers: [blind] rewards: [r1] runs: 1 }}\n\
+         evaluate {{ towns: [harbour] drivers: [mine] pedestrians: [random] episodes: {EPISODES} }} }}\n",
         folder("scenarios/lib").display()
     )
 }
@@ -91,7 +91,7 @@ fn encodings_company_and_the_size_of_writes_change_no_outcome() {
 
 #[test]
 fn the_emergency_brake_of_a_program_is_that_of_the_kind() {
-    let text = text("python3 driver.py good", "aeb: true").replace("policies: [mine]", "policies: [mine, aeb]");
+    let text = text("python3 driver.py good", "aeb: true").replace("drivers: [mine]", "drivers: [mine, aeb]");
     let plan = plan_of(text);
     let settings = |name: &str| &plan.campaigns[0].drivers.iter().find(|driver| driver.name == name).unwrap().settings;
     assert!(settings("mine").read::<bool>("aeb"), "reports name it");
@@ -393,11 +393,11 @@ fn stop_and_yield_signs_on_the_way_are_in_the_messages() {
         std::fs::write(here.join("real.xodr"), crate::straight_road::map("", &sign)).unwrap();
         std::fs::write(here.join("writing.py"), WRITING).unwrap();
         let scenario = "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\ntown real = opendrive(file: \"real.xodr\")\n\
-            policy mine = external(command: \"python3 writing.py\", worlds: 1, timeout: 60 s)\n\
+            driver mine = external(command: \"python3 writing.py\", worlds: 1, timeout: 60 s)\n\
             spawn here { ego_poses: [(150 m, -1.75 m, 0 deg)]  bearing: 180 deg  distance: 60 m }\n\
             episode brief { ticks: 400  hold: 10 }\n\
-            campaign c { vehicle: model3  adversary: suicidal  spawn: here  episode: brief\n\
-            evaluate { towns: [real]  policies: [mine]  pedestrians: [intercept]  episodes: 1 } }\n";
+            campaign c { vehicle: model3  body: suicidal  spawn: here  episode: brief\n\
+            evaluate { towns: [real]  drivers: [mine]  pedestrians: [intercept]  episodes: 1 } }\n";
         std::fs::write(here.join("signs.scn"), scenario).unwrap();
         let output = falsify(&["run", "--allow-external", "signs.scn"], here);
         assert!(output.status.success(), "{}", said(&output));

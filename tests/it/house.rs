@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 8_162),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_257),
+    ("src/results", 26_254),
     ("src/program", 12_893),
-    ("tests", 28_775),
+    ("tests", 28_774),
 ];
 
 /// Crates that only some places may name.

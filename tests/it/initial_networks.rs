@@ -37,8 +37,8 @@ fn text(keys: &str) -> String {
     format!(
         "edition 1\nimport \"std/paper.scn\"\nimport \"std/rewards.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
          training quick = ppo(steps: 60, steps_per_update: 20, epochs: 1, {keys})\n\
-         campaign warm {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: quick\n\
-         train {{ towns: [harbour] policies: [blind] rewards: [r1] runs: 1 }} }}\n"
+         campaign warm {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: quick\n\
+         train {{ towns: [harbour] drivers: [blind] rewards: [r1] runs: 1 }} }}\n"
     )
 }
 

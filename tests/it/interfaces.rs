@@ -14,11 +14,11 @@ edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
-adversary tested { FRAMES }
+body tested { FRAMES }
 episode short { ticks: 60  hold: 7 }
 campaign all {
-  vehicle: model3  adversary: tested  spawn: ahead  episode: short
-  evaluate { towns: [harbour] policies: [idm] pedestrians: [random] }
+  vehicle: model3  body: tested  spawn: ahead  episode: short
+  evaluate { towns: [harbour] drivers: [idm] pedestrians: [random] }
 }
 "#;
 
@@ -78,10 +78,10 @@ import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 training quick = ppo(steps: 40, steps_per_update: 20, epochs: 1, hidden: [8])
-adversary sighted { observation_frame: line_of_sight  speed: 0.5 m/s .. 2.5 m/s }
+body sighted { observation_frame: line_of_sight  speed: 0.5 m/s .. 2.5 m/s }
 campaign told {
-  vehicle: model3  adversary: sighted  spawn: ahead  episode: thirty_seconds  training: quick
-  train { towns: [harbour] policies: [blind] rewards: [r1] runs: 1 }
+  vehicle: model3  body: sighted  spawn: ahead  episode: thirty_seconds  training: quick
+  train { towns: [harbour] drivers: [blind] rewards: [r1] runs: 1 }
 }
 "#;
     std::fs::write(here.join("told.scn"), text).unwrap();

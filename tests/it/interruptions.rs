@@ -16,13 +16,13 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
 training quick = ppo(steps: 120, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])
-reward shy { on hit => 1 }
-falsifier walk = random()
+reward shy { on touch => 1 }
+method walk = random()
 campaign cut {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
-  train { towns: [harbour] policies: [behavior] rewards: [r1, shy] runs: 2 }
-  evaluate { towns: [village] policies: [blind] pedestrians: [trained, random] episodes: 12 }
-  search { towns: [village] policies: [blind] falsifiers: [walk] budget: 6000 runs: 1 episodes: 2 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  train { towns: [harbour] drivers: [behavior] rewards: [r1, shy] runs: 2 }
+  evaluate { towns: [village] drivers: [blind] pedestrians: [trained, random] episodes: 12 }
+  search { towns: [village] drivers: [blind] methods: [walk] budget: 6000 runs: 1 episodes: 2 }
 }
 "#;
 
@@ -243,7 +243,7 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
     let place = Place::new();
     assert!(place.run(&[]).status.success());
     let lines = |list: &str, state: &str| list.lines().filter(|line| line.contains(state)).count();
-    place.write(&SCENARIO.replace("on hit => 1", "on hit => 2"));
+    place.write(&SCENARIO.replace("on touch => 1", "on touch => 2"));
     let list = place.list();
     // The trainings of the reward, and its trained and random controllers.
     assert_eq!((lines(&list, "[reuse]"), lines(&list, "changed]")), (7, 6), "{list}");
@@ -251,13 +251,13 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
     assert!(list.contains("train    shy in harbour against behavior, run 0: 120 decisions [run: scenario changed]"));
     place.write(&format!(
         "// A comment.\n{}",
-        SCENARIO.replace("on hit => 1", "on hit   => 1.0").replace("reward shy", "/// Hits.\nreward shy")
+        SCENARIO.replace("on touch => 1", "on touch   => 1.0").replace("reward shy", "/// Hits.\nreward shy")
     ));
     assert_eq!(lines(&place.list(), "[reuse]"), 13, "{}", place.list());
     place.write(
         &SCENARIO
             .replace("runs: 2", "runs: 3")
-            .replace("[village] policies: [blind] ped", "[village, harbour] policies: [blind] ped"),
+            .replace("[village] drivers: [blind] ped", "[village, harbour] drivers: [blind] ped"),
     );
     let list = place.list();
     assert_eq!((lines(&list, "[reuse]"), lines(&list, "[run: new]")), (13, 18), "{list}");

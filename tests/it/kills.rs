@@ -20,14 +20,14 @@ import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 training quick = ppo(steps: 60, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])
-reward shy { on hit => 1 }
-falsifier walk = random()
-falsifier strategy = cma_es(tries: 5)
+reward shy { on touch => 1 }
+method walk = random()
+method strategy = cma_es(tries: 5)
 campaign cut {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
-  train { towns: [harbour] policies: [behavior] rewards: [r1, shy] runs: 1 }
-  evaluate { towns: [village] policies: [blind] pedestrians: [trained, random] episodes: 8 }
-  search { towns: [village] policies: [blind] falsifiers: [walk, strategy] budget: 2000 runs: 1 episodes: 2 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  train { towns: [harbour] drivers: [behavior] rewards: [r1, shy] runs: 1 }
+  evaluate { towns: [village] drivers: [blind] pedestrians: [trained, random] episodes: 8 }
+  search { towns: [village] drivers: [blind] methods: [walk, strategy] budget: 2000 runs: 1 episodes: 2 }
 }
 "#;
 

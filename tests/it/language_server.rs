@@ -138,11 +138,11 @@ fn an_address_that_is_not_encoded_is_understood() {
 #[test]
 fn an_unsaved_import_goes_before_the_file_and_gets_its_own_mistakes() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("part.scn"), "edition 1\nreward on_disk { on hit => 1 }\n").unwrap();
+    std::fs::write(folder.path().join("part.scn"), "edition 1\nreward on_disk { on touch => 1 }\n").unwrap();
     let uri = |name: &str| format!("file://{}/{name}", folder.path().display());
     let mut session = Session::new();
     session.open(&uri("whole.scn"), "edition 1\nimport \"part.scn\"\n");
-    session.open(&uri("part.scn"), "edition 1\nreward typed { on hit => v_c }\n");
+    session.open(&uri("part.scn"), "edition 1\nreward typed { on touch => v_c }\n");
     let close = json!({ "textDocument": { "uri": uri("part.scn") } });
     let before = Session { input: session.input.clone(), next: 1 }.hold();
     assert_eq!(diagnostics(&before, &uri("part.scn"))[0]["code"], "wrong-unit");
@@ -157,16 +157,16 @@ import \"std/paper.scn\"
 import \"std/drivers.scn\"
 import \"std/towns.scn\"
 /// Brakes late.
-policy hurried = idm(time_headway: 0.8 s, limit_share: 1)
-adversary small { body: child }
-reward fast { on hit(front) => max(1, v_c in m/s) }
+driver hurried = idm(time_headway: 0.8 s, limit_share: 1)
+body small { shape: child }
+reward fast { on touch(front) => max(1, v_c in m/s) }
 campaign mine {
   vehicle: model3
-  adversary: small
+  body: small
   spawn: ahead
   episode: thirty_seconds
   training: ppo_paper
-  train { towns: [harbour]  policies: [hurried]  rewards: [fast] }
+  train { towns: [harbour]  drivers: [hurried]  rewards: [fast] }
 }
 ";
 
@@ -181,7 +181,7 @@ fn words_are_explained_where_they_stand() {
         ("time_headway", "time [s, ms], above 0 s; default `1.5 s`"),
         ("s, limit", "time"),
         ("child", "one of"),
-        ("hit(", "touch"),
+        ("touch(", "touch"),
         ("v_c", "speed"),
         ("m/s)", "`m/s` (unit): speed"),
         ("front)", "`front` within the front sector"),
@@ -209,16 +209,16 @@ fn what_could_stand_at_the_cursor_is_offered() {
     for (index, (before, some, not)) in [
         ("edition 1\n", "campaign", "time_headway"),
         ("edition 1\nimport \"", "std/towns.scn", "campaign"),
-        ("edition 1\npolicy p = ", "behavior_agent", "campaign"),
-        ("edition 1\npolicy p = idm(", "time_headway", "campaign"),
-        ("edition 1\npolicy p = idm(margin: 1 m, ", "time_headway", "m"),
-        ("edition 1\npolicy p = behavior_agent(profile: ", "cautious", "time_headway"),
+        ("edition 1\ndriver p = ", "behavior_agent", "campaign"),
+        ("edition 1\ndriver p = idm(", "time_headway", "campaign"),
+        ("edition 1\ndriver p = idm(margin: 1 m, ", "time_headway", "m"),
+        ("edition 1\ndriver p = behavior_agent(profile: ", "cautious", "time_headway"),
         ("edition 1\nspawn s { bearing: -60 ", "deg", "bearing"),
         ("edition 1\nspawn s {\n  bearing: -60 deg .. 60 deg\n  ", "distance", "deg"),
-        ("edition 1\nreward r { on ", "hit", "distance"),
-        ("edition 1\nreward r { on hit(", "front", "hit"),
-        ("edition 1\nreward r { on hit => ", "v_c", "hit"),
-        ("edition 1\nreward r { on hit => max(1, ", "v_c", "hit"),
+        ("edition 1\nreward r { on ", "touch", "distance"),
+        ("edition 1\nreward r { on touch(", "front", "touch"),
+        ("edition 1\nreward r { on touch => ", "v_c", "touch"),
+        ("edition 1\nreward r { on touch => max(1, ", "v_c", "touch"),
         ("edition 1\nreward r { on step => distance in ", "m", "distance"),
         ("edition 1\nepisode e { traffic_lights: ", "true", "ticks"),
         ("edition 1\nimport \"std/drivers.scn\"\ncampaign c {\n  vehicle: ", "plain_car", "vehicle"),
@@ -251,7 +251,7 @@ fn a_fitting_unit_comes_first() {
     let mut wanted = Vec::new();
     for (index, (line, units)) in [
         ("spawn s { bearing: -60 ", ["deg", "rad"]),
-        ("reward r { on hit => v_c in ", ["m/s", "km/h"]),
+        ("reward r { on touch => v_c in ", ["m/s", "km/h"]),
         ("reward r { on step => distance in ", ["m", "km"]),
         ("param fast: speed = 3 ", ["m/s", "km/h"]),
     ]
@@ -318,7 +318,7 @@ fn what_the_library_declares_can_be_read() {
 
 #[test]
 fn repairs_are_offered_where_the_mistake_is() {
-    let text = "edition 1\nspwan s { bearing: -60 .. 60 deg }\npolicy p = idm(magrin: 1 m)\n";
+    let text = "edition 1\nspwan s { bearing: -60 .. 60 deg }\ndriver p = idm(magrin: 1 m)\n";
     let mut session = Session::new();
     session.open(FILE, text);
     let line = |number: u32, to: u32| json!({ "start": { "line": number, "character": 0 }, "end": { "line": number, "character": to } });
@@ -366,7 +366,7 @@ fn a_program_as_driver_is_no_mistake_and_is_not_started() {
     let mut session = Session::new();
     let mark = tempfile::tempdir().unwrap();
     let file = mark.path().join("started");
-    let text = format!("edition 1\npolicy p = external(command: \"touch {}\")\n", file.display());
+    let text = format!("edition 1\ndriver p = external(command: \"touch {}\")\n", file.display());
     session.open(FILE, &text);
     assert_eq!(diagnostics(&session.hold(), FILE), &Vec::<Value>::new());
     assert!(!file.exists());
@@ -375,15 +375,15 @@ fn a_program_as_driver_is_no_mistake_and_is_not_started() {
 #[test]
 fn a_file_is_laid_out_unless_it_cannot_be_read() {
     let mut session = Session::new();
-    session.open(FILE, "edition 1 reward r{on hit=>1}");
-    session.open("untitled:bad", "edition 1 reward r{on hit=>}");
+    session.open(FILE, "edition 1 reward r{on touch=>1}");
+    session.open("untitled:bad", "edition 1 reward r{on touch=>}");
     let ask = |session: &mut Session, uri: &str| {
         let options = json!({ "tabSize": 2, "insertSpaces": true });
         session.ask("textDocument/formatting", json!({ "textDocument": { "uri": uri }, "options": options }))
     };
     let (good, bad) = (ask(&mut session, FILE), ask(&mut session, "untitled:bad"));
     let answers = session.hold();
-    assert_eq!(result(&answers, good)[0]["newText"], "edition 1\nreward r { on hit => 1 }\n");
+    assert_eq!(result(&answers, good)[0]["newText"], "edition 1\nreward r { on touch => 1 }\n");
     assert_eq!(*result(&answers, bad), Value::Null);
 }
 
@@ -421,7 +421,7 @@ fn a_stream_out_of_step_ends_the_session() {
 
 #[test]
 fn a_huge_file_gets_one_mistake_and_quick_answers() {
-    let text = format!("edition 1\n{}", "reward r { on hit => 1 }\n".repeat(240_000));
+    let text = format!("edition 1\n{}", "reward r { on touch => 1 }\n".repeat(240_000));
     let mut session = Session::new();
     session.open(FILE, &text);
     let hover = session.ask(
@@ -474,12 +474,12 @@ import suicidal, near_you from \"part.scn\"
 import \"std/paper.scn\"
 /// How far.
 param far: length = 30 m
-param who: adversary = suicidal
+param who: body = suicidal
 param lit: boolean = true
 spawn s { distance: 7 m .. far }
 reward r { on step => distance / far }
 campaign c {
-  adversary: who
+  body: who
   matrix { far: [20 m, far] }
 }
 ";
@@ -487,7 +487,7 @@ campaign c {
 /// A folder with `part.scn`, and the name of another file in that folder.
 fn with_part() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
-    let part = "edition 1\n/// Near.\nparam near_you: length = 7 m\n/// Someone.\nadversary suicidal {}\n";
+    let part = "edition 1\n/// Near.\nparam near_you: length = 7 m\n/// Someone.\nbody suicidal {}\n";
     std::fs::write(folder.path().join("part.scn"), part).unwrap();
     let uri = format!("file://{}/whole.scn", folder.path().display());
     (folder, uri)
@@ -502,13 +502,13 @@ fn parameters_and_imported_names_are_explained_and_found() {
     for (mark, part, line) in [
         ("far: length", "param far: length = 30 m", Some(4)),
         ("length =", "`m`", None),
-        ("adversary =", "The pedestrian that attacks", None),
+        ("body =", "The pedestrian that attacks", None),
         ("suicidal, near", "Someone.", Some(4)),
         ("near_you from", "param near_you: length = 7 m", Some(2)),
         ("suicidal\nparam", "Someone.", Some(4)),
         ("far }\nreward", "How far.", Some(4)),
         ("far }\ncampaign", "How far.", Some(4)),
-        ("who\n  matrix", "param who: adversary = suicidal", Some(5)),
+        ("who\n  matrix", "param who: body = suicidal", Some(5)),
         ("far: [", "How far.", Some(4)),
         ("far] }", "How far.", Some(4)),
     ] {
@@ -534,9 +534,9 @@ fn parameters_types_and_imported_names_are_offered() {
     let mut wanted = Vec::new();
     for (after, some, not) in [
         ("param far: ", "turn_rate", "far"),
-        ("param x: ", "adversary", "far"),
+        ("param x: ", "body", "far"),
         ("param x: length = ", "far", "who"),
-        ("param x: adversary = ", "suicidal", "far"),
+        ("param x: body = ", "suicidal", "far"),
         ("param x: boolean = ", "true", "far"),
         ("param wide: length = 3 m\nparam x: length = ", "wide", "x"),
         ("param x: length = 3 ", "km", "far"),
@@ -548,13 +548,13 @@ fn parameters_types_and_imported_names_are_offered() {
         ("spawn t { distance: truncated(", "normal", "who"),
         ("spawn t { distance: 7 m .. ", "far", "who"),
         ("reward q { on step => distance / ", "far", "who"),
-        ("campaign d {\n  adversary: ", "who", "far"),
+        ("campaign d {\n  body: ", "who", "far"),
         ("episode e { traffic_lights: ", "lit", "far"),
         ("campaign d {\n  ", "matrix", "far"),
         ("episode e {\n  ", "ticks", "matrix"),
-        ("campaign d {\n  matrix { ", "far", "adversary"),
+        ("campaign d {\n  matrix { ", "far", "body"),
         ("campaign d {\n  matrix { who: [", "suicidal", "far"),
-        ("campaign d {\n  matrix { far: 3 m  ", "lit", "adversary"),
+        ("campaign d {\n  matrix { far: 3 m  ", "lit", "body"),
     ] {
         // The text that is being typed is in the middle of a file.
         let head = NAMED.split_once("spawn s").unwrap().0;
@@ -578,7 +578,7 @@ fn parameters_types_and_imported_names_are_offered() {
 fn three_files(folder: &Path) -> (impl Fn(&str) -> String, String) {
     let part = "edition 1\nvehicle mine = generic()\nparam far: length = 30 m\n";
     std::fs::write(folder.join("part.scn"), part).unwrap();
-    let other = "edition 1\n// mine\nimport mine from \"part.scn\"\npolicy mine = idm()\n";
+    let other = "edition 1\n// mine\nimport mine from \"part.scn\"\ndriver mine = idm()\n";
     std::fs::write(folder.join("other.scn"), other).unwrap();
     let text = SCENARIO.replace("vehicle: model3", "vehicle: mine").replace("campaign mine", "campaign everything");
     let text = text.replace("edition 1\n", "edition 1\nimport \"part.scn\"\n");
@@ -614,7 +614,7 @@ fn all_places_of_a_name_are_found_in_the_files_that_see_it() {
     let uses_of_mine = ["other.scn:2:7", "whole.scn:10:11"];
     assert_eq!(at_places(result(&answers, uses)), uses_of_mine);
     assert_eq!(at_places(result(&answers, all)), [uses_of_mine[0], "part.scn:1:8", uses_of_mine[1]]);
-    assert_eq!(at_places(result(&answers, own)), ["whole.scn:6:7", "whole.scn:15:39"]);
+    assert_eq!(at_places(result(&answers, own)), ["whole.scn:6:7", "whole.scn:15:38"]);
     assert_eq!(*result(&answers, nothing), Value::Null);
 }
 

@@ -14,11 +14,11 @@ import "std/paper.scn"
 import "std/rewards.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
-falsifier meet = intercept()
+method meet = intercept()
 campaign small {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [village]  policies: [blind]  pedestrians: [random, intercept]  episodes: 12 }
-  search { towns: [village]  policies: [blind]  falsifiers: [meet]  budget: 3_000  runs: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [village]  drivers: [blind]  pedestrians: [random, intercept]  episodes: 12 }
+  search { towns: [village]  drivers: [blind]  methods: [meet]  budget: 3_000  runs: 1 }
 }
 "#;
 
@@ -55,7 +55,7 @@ fn repairs_keep_comments_and_leave_other_files_alone() {
         "edition 1\n// why\n\n// licence\nimport \"std/towns.scn\"\n"
     );
     assert_eq!(fs::read_to_string(path("b.scn")).unwrap(), "edition 1\nspawn s { } // why\n");
-    let program = "# A driver.\nimport sys\nif a || b { x = 5 % 2 }\npolicy p = $PATH\n";
+    let program = "# A driver.\nimport sys\nif a || b { x = 5 % 2 }\ndriver p = $PATH\n";
     fs::write(path("driver.py"), program).unwrap();
     let refused = falsify(&["check", "--fix", "driver.py"], place.path());
     assert_eq!(refused.status.code(), Some(3));

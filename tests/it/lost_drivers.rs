@@ -38,14 +38,14 @@ edition 1
 import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
-policy lost = circling()
-falsifier home = homing()
+driver lost = circling()
+method home = homing()
 episode brief { ticks: 200 traffic_lights: false KEYS }
 spawn steady { distance: 15 m .. 25 m }
 campaign lost {
-  vehicle: model3  adversary: suicidal  spawn: steady  episode: brief
-  evaluate { towns: [harbour]  policies: [lost, blind]  pedestrians: [homing]  episodes: 20 }
-  search { towns: [harbour]  policies: [lost]  falsifiers: [home]  budget: 8_000  runs: 1  episodes: 2 }
+  vehicle: model3  body: suicidal  spawn: steady  episode: brief
+  evaluate { towns: [harbour]  drivers: [lost, blind]  pedestrians: [homing]  episodes: 20 }
+  search { towns: [harbour]  drivers: [lost]  methods: [home]  budget: 8_000  runs: 1  episodes: 2 }
 }
 "#;
 
@@ -111,7 +111,7 @@ fn a_driver_that_circles_has_a_warning_and_no_rate() {
         let page = std::fs::read_to_string(report.folder.join("report.html")).unwrap();
         assert!(page.contains("did not reach its start in 20 of 20 run-ups"));
 
-        let rows = columns(report, "episodes.csv", ["policy", "left_out"]);
+        let rows = columns(report, "episodes.csv", ["driver", "left_out"]);
         let of = |policy: &str, reason: &str| rows.iter().filter(|row| row[0] == policy && row[1] == reason).count();
         assert_eq!((of("lost", "run_up"), of("blind", ""), rows.len()), (20, 20, 40), "the table holds all rows");
         let [search] = &columns(report, "searches.csv", ["episodes", "left_out_episodes", "failures"])[..] else {
@@ -138,16 +138,16 @@ fn what_happens_past_the_end_of_a_map_counts_for_nothing() {
 edition 1
 import "std/paper.scn"
 import "std/drivers.scn"
-policy straight = circling(steer: 0)
+driver straight = circling(steer: 0)
 town strip { street only { through: [(0 m, 0 m), (90 m, 0 m)] } }
 episode brief { ticks: 400 traffic_lights: false }
 campaign lost {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: brief
-  evaluate { towns: [strip]  policies: [straight, blind]  pedestrians: [homing]  episodes: 40 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: brief
+  evaluate { towns: [strip]  drivers: [straight, blind]  pedestrians: [homing]  episodes: 40 }
 }
 "#;
     run_text(short.to_owned(), |report, warnings| {
-        let rows = columns(report, "episodes.csv", ["policy", "left_out", "fault", "left_road"]);
+        let rows = columns(report, "episodes.csv", ["driver", "left_out", "fault", "left_road"]);
         let past = rows.iter().filter(|row| row[1] == "road_end").count();
         assert!(past >= 10, "{past} of {}", rows.len());
         assert!(rows.iter().all(|row| row[0] == "straight" || row[1].is_empty()), "our own drivers stop at the end");
@@ -174,16 +174,16 @@ fn drivers_slow_down_for_a_corner_in_a_junction_but_for_the_two_that_the_explana
         ("blind", "cruise()"),
     ];
     for (limit, lost) in [("30", &[][..]), ("50", &["p_agent", "p_lav"])] {
-        let policies: String = drivers.iter().map(|(name, kind)| format!("policy p_{name} = {kind}\n")).collect();
+        let policies: String = drivers.iter().map(|(name, kind)| format!("driver p_{name} = {kind}\n")).collect();
         let text = format!(
             "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\n{policies}town corner {{\n{}}}\n\
              spawn near {{ ego_lane {{ from: (-60 m, -1.75 m, 0 deg)  length: 5 m }}\n  bearing: -60 deg .. 60 deg  distance: 25 m .. 60 m }}\n\
-             episode e {{ hold: 10  ticks: 300 }}\ncampaign c {{\n  vehicle: model3  adversary: plausible  spawn: near  episode: e\n\
-             evaluate {{ towns: [corner]  policies: [p_agent, p_lav, p_idm, p_guard, p_blind]  pedestrians: [random]  episodes: 20 }}\n}}\n",
+             episode e {{ hold: 10  ticks: 300 }}\ncampaign c {{\n  vehicle: model3  body: plausible  spawn: near  episode: e\n\
+             evaluate {{ towns: [corner]  drivers: [p_agent, p_lav, p_idm, p_guard, p_blind]  pedestrians: [random]  episodes: 20 }}\n}}\n",
             town(limit)
         );
         run_text(text, |report, _| {
-            let rates = columns(report, "metrics.csv", ["policy", "metric", "value"]);
+            let rates = columns(report, "metrics.csv", ["driver", "metric", "value"]);
             for [policy, _, rate] in rates.iter().filter(|[_, metric, _]| metric == "left_road_rate") {
                 let is_lost = rate.parse::<f64>().unwrap() > 0.1;
                 assert_eq!(is_lost, lost.contains(&policy.as_str()), "{policy} at {limit} km/h: {rate}");

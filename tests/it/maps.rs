@@ -19,13 +19,13 @@ town corner {
 }
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
 episode short { ticks: 100  hold: 10 }
-falsifier meet = intercept()
+method meet = intercept()
 campaign walk {
   vehicle: model3
-  adversary: plausible
+  body: plausible
   spawn: near
   episode: short
-  search { towns: [corner]  policies: [behavior]  falsifiers: [meet]  budget: 2_000  runs: 1 }
+  search { towns: [corner]  drivers: [behavior]  methods: [meet]  budget: 2_000  runs: 1 }
 }
 ";
 

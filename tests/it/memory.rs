@@ -18,8 +18,8 @@ import "std/drivers.scn"
 import "std/towns.scn"
 episode second {{ ticks: 20  hold: 10 }}
 campaign long {{
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: second
-  evaluate {{ towns: [harbour]  policies: [blind]  pedestrians: [random]  episodes: {episodes} }}
+  vehicle: model3  body: suicidal  spawn: ahead  episode: second
+  evaluate {{ towns: [harbour]  drivers: [blind]  pedestrians: [random]  episodes: {episodes} }}
 }}
 "#
     )

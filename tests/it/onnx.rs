@@ -16,10 +16,10 @@ fn text(worlds: u32) -> String {
     format!(
         "edition 1\nimport \"{root}/scenarios/lib/paper.scn\"\nimport \"{root}/scenarios/lib/drivers.scn\"\n\
          import \"{root}/scenarios/lib/towns.scn\"\n\
-         policy learnt = onnx(model: \"{root}/tests/reference/onnx/follow.onnx\", worlds: {worlds})\n\
-         campaign learnt {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
-         train {{ towns: [harbour] policies: [blind] rewards: [r1] runs: 1 }}\n\
-         evaluate {{ towns: [harbour] policies: [learnt] pedestrians: [random] episodes: 10 }} }}\n"
+         driver learnt = onnx(model: \"{root}/tests/reference/onnx/follow.onnx\", worlds: {worlds})\n\
+         campaign learnt {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
+         train {{ towns: [harbour] drivers: [blind] rewards: [r1] runs: 1 }}\n\
+         evaluate {{ towns: [harbour] drivers: [learnt] pedestrians: [random] episodes: 10 }} }}\n"
     )
 }
 

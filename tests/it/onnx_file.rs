@@ -86,7 +86,7 @@ fn with_sum_of(size: &[i64], operators: &[Vec<u8>]) -> Vec<u8> {
 fn checked(network: &[u8]) -> (Option<i32>, String) {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("a.onnx"), network).unwrap();
-    let text = "edition 1\npolicy p = onnx(model: \"a.onnx\")\ncontroller c = onnx(model: \"a.onnx\")\n";
+    let text = "edition 1\ndriver p = onnx(model: \"a.onnx\")\npedestrian c = onnx(model: \"a.onnx\")\n";
     std::fs::write(place.path().join("a.scn"), text).unwrap();
     // The time is that of the processor and does not count that of the trial.
     let output = crate::unbreakable::limited("ulimit -v 700000; ulimit -t 20", &["check", "a.scn"], place.path());

@@ -15,8 +15,8 @@ import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 campaign cut {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [village] policies: [blind] pedestrians: [random] episodes: 8 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [village] drivers: [blind] pedestrians: [random] episodes: 8 }
 }
 "#;
 
@@ -46,7 +46,7 @@ fn to_full(arguments: &[&str], folder: &Path) -> Output {
 fn a_full_output_is_an_error_of_every_command_that_prints() {
     let place = place();
     let name = failure(place.path());
-    fs::write(place.path().join("wrong.scn"), "edition 1\nreward r { on hit => x }\n").unwrap();
+    fs::write(place.path().join("wrong.scn"), "edition 1\nreward r { on touch => x }\n").unwrap();
     for arguments in [
         &["failures", "out/cut"][..],
         &["failures", "out/cut", "--format", "json"],

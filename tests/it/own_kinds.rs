@@ -112,14 +112,14 @@ edition 1
 import "std/paper.scn"
 import "std/drivers.scn"
 import "std/sensors.scn"
-policy firm = braking()
-policy soft = braking(force: 0.25, sensors: perfect)
+driver firm = braking()
+driver soft = braking(force: 0.25, sensors: perfect)
 town broad = avenue(length: {length}) {{ tree {{ at: (50 m, 12 m) }} }}
-falsifier hasty = stroll(pace: 3 m/s)
+method hasty = stroll(pace: 3 m/s)
 campaign own {{
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate {{ towns: [broad] policies: [firm, soft] pedestrians: [stroll, random] episodes: 10 }}
-  search {{ towns: [broad] policies: [soft] falsifiers: [hasty] budget: 2_000 runs: 1 episodes: 2 }}
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate {{ towns: [broad] drivers: [firm, soft] pedestrians: [stroll, random] episodes: 10 }}
+  search {{ towns: [broad] drivers: [soft] methods: [hasty] budget: 2_000 runs: 1 episodes: 2 }}
 }}
 "#
         )),
@@ -166,7 +166,7 @@ fn a_town_that_cannot_be_built_says_why() {
 fn a_kind_that_the_catalogue_lacks_is_an_error_and_so_is_one_that_it_has() {
     assert!(session(Catalog::builtin(), "300 m").check(&Input::file("own.scn")).unwrap().plan().is_err());
     let (made, taken) = (Made::default(), |form, kind| Some(TakenKind { form, kind }));
-    assert_eq!(catalog(&made).with_policy(braking(&made)).err(), taken("policy", "braking"));
+    assert_eq!(catalog(&made).with_policy(braking(&made)).err(), taken("driver", "braking"));
     assert_eq!(catalog(&made).with_town(TownKind::new(avenue)).err(), taken("town", "avenue"));
     assert_eq!(catalog(&made).with_walker(stroll()).err(), taken("pedestrian", "stroll"));
 }
@@ -186,10 +186,10 @@ edition 1
 import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
-policy soft = braking(force: 0.25)
+driver soft = braking(force: 0.25)
 campaign own {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour] policies: [soft] pedestrians: [stroll, intercept] episodes: 10 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour] drivers: [soft] pedestrians: [stroll, intercept] episodes: 10 }
 }
 "#;
     let (file, out) = (folder.path().join("own.scn"), folder.path().join("reports"));
@@ -207,7 +207,7 @@ campaign own {
     let value = |name: &str| row[head.iter().position(|column| *column == name).unwrap()];
     let name = format!("{}:{}", value("run_id"), value("episode"));
     assert_eq!(command(own_language, &["replay", &name, "--report", &out]), ExitCode::Done);
-    assert_eq!(command(own_language, &["explain", "policy", "braking"]), ExitCode::Done);
+    assert_eq!(command(own_language, &["explain", "driver", "braking"]), ExitCode::Done);
     assert_eq!(command(Catalog::builtin, &["check", &file]), ExitCode::Scenario);
 }
 

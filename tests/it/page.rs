@@ -21,20 +21,20 @@ import "std/towns.scn"
 /// </script><script>throw 1</script> & "quotes" <img src=x onerror=alert(1)>
 campaign page {
   vehicle: model3
-  adversary: suicidal
+  body: suicidal
   spawn: ahead
   episode: thirty_seconds
   training: short
 
   train {
     towns: [harbour]
-    policies: [blind]
+    drivers: [blind]
     rewards: [r1]
     runs: 2
   }
   evaluate {
     towns: [harbour]
-    policies: [blind, idm]
+    drivers: [blind, idm]
     pedestrians: [trained, random, intercept]
     episodes: 20
   }
@@ -51,17 +51,17 @@ import "std/drivers.scn"
 import "std/towns.scn"
 
 param share: number = 0.9
-policy slow = cruise(limit_share: share)
+driver slow = cruise(limit_share: share)
 
 campaign speeds {
   vehicle: model3
-  adversary: suicidal
+  body: suicidal
   spawn: ahead
   episode: thirty_seconds
   matrix { share: [0.3, 0.6, 0.9] }
   evaluate {
     towns: [harbour]
-    policies: [slow, idm]
+    drivers: [slow, idm]
     pedestrians: [intercept]
     episodes: 5
   }

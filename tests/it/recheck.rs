@@ -15,17 +15,17 @@ param delay: time = 0 s
 param braking: acceleration = 7 m/s^2
 param view: angle = 360 deg
 sensors eyes { sector { width: view } }
-policy mine = idm(actuation_delay: delay, sensors: eyes)
-policy other = aeb()
+driver mine = idm(actuation_delay: delay, sensors: eyes)
+driver other = aeb()
 vehicle car = model3(full_brake: braking)
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
 episode until_passed { hold: 10  ticks: 240  end_when: ahead < -6 m }
-falsifier meet = intercept()
-falsifier plans = cem(tries: 20)
+method meet = intercept()
+method plans = cem(tries: 20)
 campaign versions {
-  vehicle: car  adversary: plausible  spawn: near  episode: until_passed
-  evaluate { towns: [harbour] policies: [mine, other] pedestrians: [intercept, random] episodes: 60 }
-  search { towns: [harbour] policies: [mine, other] falsifiers: [meet, plans] budget: 20_000 runs: 1 episodes: 0 }
+  vehicle: car  body: plausible  spawn: near  episode: until_passed
+  evaluate { towns: [harbour] drivers: [mine, other] pedestrians: [intercept, random] episodes: 60 }
+  search { towns: [harbour] drivers: [mine, other] methods: [meet, plans] budget: 20_000 runs: 1 episodes: 0 }
 }
 "#;
 
@@ -81,8 +81,8 @@ fn the_same_driver_has_nothing_new_and_nothing_fixed() {
         let chosen = failures.iter().filter(|row| row["found_in"] == found_in && row["walked_by"] == walked_by);
         chosen.map(|row| row["failures"].as_u64().unwrap()).sum()
     };
-    assert!(of("evaluation", "controller") > 0 && of("evaluation", "controller") == of("evaluation", "commands"));
-    assert!(of("search", "controller") > 0 && of("search", "controller") < of("search", "commands"), "{failures:?}");
+    assert!(of("evaluation", "pedestrian") > 0 && of("evaluation", "pedestrian") == of("evaluation", "commands"));
+    assert!(of("search", "pedestrian") > 0 && of("search", "pedestrian") < of("search", "commands"), "{failures:?}");
     assert!(same["notes"].to_string().contains("by their recorded commands alone"), "{}", same["notes"]);
     // From a file instead of the report, and once more: the same bytes.
     let file = recheck(here, &["versions.scn", "--starts", "20"]);
@@ -94,8 +94,8 @@ fn the_same_driver_has_nothing_new_and_nothing_fixed() {
     assert_eq!(gate("faults_new > 0"), Some(0));
     assert_eq!(gate("turned_faults > 0"), Some(0));
     assert_eq!(gate("failures > 0"), Some(7));
-    assert_eq!(gate("starts >= 2 and policy == mine"), Some(7));
-    assert_eq!(gate("starts >= 2 and policy == none_such"), Some(2), "it speaks of nothing");
+    assert_eq!(gate("starts >= 2 and driver == mine"), Some(7));
+    assert_eq!(gate("starts >= 2 and driver == none_such"), Some(2), "it speaks of nothing");
     assert_eq!(gate("fault_new > 0"), Some(2), "no such column");
 }
 
@@ -114,7 +114,7 @@ fn a_worse_driver_has_more_faults() {
         assert!(row["injury_difference"].as_f64().unwrap() > 0.0, "{worse}: {row}");
     }
     let pair = recheck(here, &["--driver", "mine=other", "--starts", "2"]);
-    assert!(rows(&pair, "crossings").iter().all(|row| row["policy"] == "mine" && row["other_policy"] == "other"));
+    assert!(rows(&pair, "crossings").iter().all(|row| row["driver"] == "mine" && row["other_driver"] == "other"));
     let shown = falsify(&["recheck", "reports/versions", "--set", "delay=0.3 s", "--starts", "2"], here);
     let progress = error(&shown);
     for (stage, all) in [("failures met again: ", ""), ("episodes of the fixed list: ", "960 of 960 (")] {
@@ -145,7 +145,7 @@ fn a_pedestrian_whom_a_slower_driver_does_not_meet_says_nothing_of_it() {
     let words = found["failure_changes"].to_string();
     assert_eq!(words.matches("not met").count() > 0, sum(failures, "not_met") > 0, "{words}");
     let blind = SCENARIO
-        .replace("policy other", "policy unseeing = cruise()\npolicy other")
+        .replace("driver other", "driver unseeing = cruise()\ndriver other")
         .replace("[mine, other]", "[unseeing]");
     std::fs::write(here.join("blind.scn"), blind).unwrap();
     let unseeing = recheck(here, &["blind.scn", "--driver", "mine=unseeing", "--starts", "0"]);
@@ -176,5 +176,5 @@ fn drivers_that_are_not_there_are_named() {
     assert!(text.contains("`--driver OLD=NEW`"), "{text}");
     let pair = recheck(here, &["new.scn", "--driver", "mine=yours", "--starts", "0"]);
     assert!(rows(&pair, "crossings").is_empty());
-    assert_eq!(rows(&pair, "failures")[0]["other_policy"], "yours");
+    assert_eq!(rows(&pair, "failures")[0]["other_driver"], "yours");
 }

@@ -11,14 +11,14 @@ import "LIB/paper.scn"
 import "LIB/drivers.scn"
 import "LIB/towns.scn"
 param headway: time = 1.5 s
-policy near = idm(time_headway: headway)
+driver near = idm(time_headway: headway)
 training short = ppo(steps: 256, steps_per_update: 128)
-falsifier home = homing()
+method home = homing()
 campaign again {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
-  train { towns: [harbour] policies: [near] rewards: [r1] runs: 1 }
-  evaluate { towns: [harbour] policies: [near, behavior] pedestrians: [trained, stochastic, untrained, intercept] episodes: 6 }
-  search { towns: [harbour] policies: [near] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] drivers: [near] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] drivers: [near, behavior] pedestrians: [trained, stochastic, untrained, intercept] episodes: 6 }
+  search { towns: [harbour] drivers: [near] methods: [home] budget: 3_000 runs: 1 episodes: 0 }
 }
 "#;
 
@@ -57,7 +57,7 @@ fn a_report_can_be_replayed_drawn_and_verified() {
     let all = rows(
         &report,
         "episodes",
-        &["run_id", "episode", "outcome", "digest", "fault", "episode_length_s", "controller"],
+        &["run_id", "episode", "outcome", "digest", "fault", "episode_length_s", "pedestrian"],
     );
     assert_eq!(all.len(), 48);
     let hit = all.iter().find(|row| row[2] == "collision" && row[6] == "intercept").expect("it hits somebody");
@@ -156,7 +156,7 @@ fn scenario_of_several_files(folder: &Path) {
     std::fs::create_dir_all(folder.join("maps")).unwrap();
     let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files/odd.xodr");
     std::fs::copy(map, folder.join("maps/odd.xodr")).unwrap();
-    let driver = "edition 1\nparam share: number = 0.5\npolicy mild = cruise(limit_share: share)\n";
+    let driver = "edition 1\nparam share: number = 0.5\ndriver mild = cruise(limit_share: share)\n";
     std::fs::write(folder.join("lib/driver.scn"), driver).unwrap();
     let text = r#"
 edition 1
@@ -166,8 +166,8 @@ import "lib/driver.scn"
 town odd = opendrive(file: "maps/odd.xodr")
 spawn near { distance: 7 m .. 9 m }
 campaign parcel {
-  vehicle: model3  adversary: suicidal  spawn: near  episode: thirty_seconds
-  evaluate { towns: [odd] policies: [mild] pedestrians: [intercept] episodes: 4 }
+  vehicle: model3  body: suicidal  spawn: near  episode: thirty_seconds
+  evaluate { towns: [odd] drivers: [mild] pedestrians: [intercept] episodes: 4 }
 }
 "#;
     std::fs::write(folder.join("parcel.scn"), text).unwrap();
@@ -281,13 +281,13 @@ fn a_broken_gate_is_said_in_the_exit_code_and_in_junit() {
     let typo = falsify(&["run", "--fail-if", "colision_rate > 0.5", "again.scn"], here);
     assert_eq!(typo.status.code(), Some(2));
     assert!(said(&typo).contains("did you mean `collision_rate") && !here.join("reports").exists(), "{typo:?}");
-    let nothing = falsify(&["run", "--fail-if", "collision_rate > 0.5 and controller == intercpt", "again.scn"], here);
+    let nothing = falsify(&["run", "--fail-if", "collision_rate > 0.5 and pedestrian == intercpt", "again.scn"], here);
     assert_eq!(nothing.status.code(), Some(2), "{nothing:?}");
-    assert!(said(&nothing).contains("`controller` can be: "), "{nothing:?}");
+    assert!(said(&nothing).contains("`pedestrian` can be: "), "{nothing:?}");
     assert!(!here.join("reports").exists(), "it is known before the run");
 
     let gates =
-        ["--fail-if", "collision_rate >= 0.5 and controller == intercept", "--fail-if", "front_rate == 0.123456"];
+        ["--fail-if", "collision_rate >= 0.5 and pedestrian == intercept", "--fail-if", "front_rate == 0.123456"];
     let run = [&["run", "--junit", "out/results.xml"], &gates[..], &["again.scn"]].concat();
     let run = falsify(&run, here);
     assert_eq!(run.status.code(), Some(7), "{run:?}");
@@ -297,8 +297,8 @@ fn a_broken_gate_is_said_in_the_exit_code_and_in_junit() {
     let suite = suites.first_element_child().unwrap();
     assert_eq!((suites.tag_name().name(), suite.tag_name().name()), ("testsuites", "testsuite"));
     let report = here.join("reports/again");
-    let cells = rows(&report, "results", &["collision_rate", "controller", "policy"]);
-    let episodes = rows(&report, "episodes", &["outcome", "controller", "policy"]);
+    let cells = rows(&report, "results", &["collision_rate", "pedestrian", "driver"]);
+    let episodes = rows(&report, "episodes", &["outcome", "pedestrian", "driver"]);
     // A cell without a touch has no share of touches in front.
     let is_touched = |cell: &[String]| {
         episodes.iter().any(|row| ["collision", "bump"].contains(&row[0].as_str()) && row[1..] == cell[1..])

@@ -26,8 +26,8 @@ fn plan(declared: &str, names: &str, policies: &str) -> Plan {
          import \"std/requirements.scn\"\n{declared}\n\
          spawn near {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }}\n\
          episode until_passed {{ ticks: 240  hold: 10  end_when: ahead < -6 m }}\n\
-         campaign mine {{\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed\n  requirements: [{names}]\n\
-         evaluate {{ towns: [harbour]  policies: [{policies}]  pedestrians: [intercept]  episodes: 400 }}\n}}\n"
+         campaign mine {{\n  vehicle: model3  body: plausible  spawn: near  episode: until_passed\n  requirements: [{names}]\n\
+         evaluate {{ towns: [harbour]  drivers: [{policies}]  pedestrians: [intercept]  episodes: 400 }}\n}}\n"
     );
     let read = |path: &Path| if path == Path::new("my.scn") { Ok(text.clone()) } else { std::fs::read_to_string(path) };
     let compiled = compile(&["my.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
@@ -174,14 +174,14 @@ fn searches(goal: &str) -> Plan {
          training quick = ppo(steps: 200, steps_per_update: 50)\n\
          spawn near {{ ego_speed: 6 m/s  bearing: -60 deg .. 60 deg  distance: 7 m .. 20 m }}\n\
          episode until_passed {{ ticks: 160  hold: 10  end_when: ahead < -6 m }}\n\
-         falsifier plans = cem(tries: 20, population: 5, elite: 2)\n\
-         falsifier evolved = cma_es(tries: 20)\n\
-         falsifier grown = mcts(reward: none_at_all, tries: 20)\n\
-         falsifier kinds = archive(reward: none_at_all)\n\
-         falsifier learnt = ppo(reward: none_at_all)\n\
-         falsifier meet = intercept()\n\
-         campaign mine {{\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed  training: quick\n\
-         search {{ towns: [harbour]  policies: [behavior]  falsifiers: [plans, evolved, grown, kinds, learnt, meet]\n\
+         method plans = cem(tries: 20, population: 5, elite: 2)\n\
+         method evolved = cma_es(tries: 20)\n\
+         method grown = mcts(reward: none_at_all, tries: 20)\n\
+         method kinds = archive(reward: none_at_all)\n\
+         method learnt = ppo(reward: none_at_all)\n\
+         method meet = intercept()\n\
+         campaign mine {{\n  vehicle: model3  body: plausible  spawn: near  episode: until_passed  training: quick\n\
+         search {{ towns: [harbour]  drivers: [behavior]  methods: [plans, evolved, grown, kinds, learnt, meet]\n\
          budget: 20_000  runs: 1  episodes: 20  {goal} }}\n}}\n"
     );
     let read = |path: &Path| if path == Path::new("my.scn") { Ok(text.clone()) } else { std::fs::read_to_string(path) };
@@ -256,11 +256,11 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         requirement sees = always(in_sight)\n\
         spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }\n\
         episode until_passed { ticks: 160  hold: 10  end_when: ahead < -6 m }\n\
-        falsifier meet = intercept()\n\
-        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed\n\
+        method meet = intercept()\n\
+        campaign mine {\n  vehicle: model3  body: plausible  spawn: near  episode: until_passed\n\
         requirements: [no_collision, slow_pass, sees]\n\
-        evaluate { towns: [harbour]  policies: [blind]  pedestrians: [intercept, random]  episodes: 30 }\n\
-        search { towns: [harbour]  policies: [blind]  falsifiers: [meet]  budget: 6_000  runs: 1  episodes: 0  goal: slow_pass }\n}\n";
+        evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [intercept, random]  episodes: 30 }\n\
+        search { towns: [harbour]  drivers: [blind]  methods: [meet]  budget: 6_000  runs: 1  episodes: 0  goal: slow_pass }\n}\n";
     let read = move |path: &Path| match path.to_str() {
         Some("my.scn") => Ok(text.to_string()),
         _ => std::fs::read_to_string(path),
@@ -442,9 +442,9 @@ fn drivers_that_see_no_lights_run_red_ones() {
         requirement near_the_middle = always(abs(lane_offset) < 1.2 m)\n\
         spawn far { ego_speed: 0 m/s  bearing: -180 deg .. 180 deg  distance: 50 m .. 90 m }\n\
         episode long { ticks: 600  hold: 20 }\n\
-        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: far  episode: long\n\
+        campaign mine {\n  vehicle: model3  body: plausible  spawn: far  episode: long\n\
         requirements: [stops_at_red, no_light, no_red, near_the_middle]\n\
-        evaluate { towns: [village]  policies: [idm, blind]  pedestrians: [random]  episodes: 60 }\n}\n";
+        evaluate { towns: [village]  drivers: [idm, blind]  pedestrians: [random]  episodes: 60 }\n}\n";
     let found = violations(text, 60);
     let of = |driver: &str, name: &str| {
         let (_, all) = found.iter().find(|(policy, _)| policy == driver).unwrap();
@@ -460,8 +460,8 @@ fn drivers_that_yield_at_crosswalks_satisfy_the_requirement() {
     let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport model3 from \"std/drivers.scn\"\n\
         import \"std/requirements.scn\"\n\
         town straight { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h }  crosswalk { at: (100 m, 0 m) } }\n\
-        policy polite = idm(crosswalks: \"yield\")\n\
-        policy rude = cruise()\n\
+        driver polite = idm(crosswalks: \"yield\")\n\
+        driver rude = cruise()\n\
         requirement apart = always(crosswalk_distance > 0 m)\n\
         requirement free = always(not crosswalk_taken)\n\
         requirement deserted = always(not crosswalk_waiting)\n\
@@ -469,9 +469,9 @@ fn drivers_that_yield_at_crosswalks_satisfy_the_requirement() {
         requirement first = always(crosswalk_distance > 30 m, [0 s, 0 s])\n\
         spawn path = given_path { ego_poses: [(55 m, -1.75 m, 0 deg)]  ego_speed: 9 m/s  through: [(100 m, -4.5 m), (100 m, 6 m)]  speeds: [1.4 m/s] }\n\
         episode long { ticks: 240  hold: 20 }\n\
-        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: path  episode: long\n\
+        campaign mine {\n  vehicle: model3  body: plausible  spawn: path  episode: long\n\
         requirements: [yields_at_crosswalk, apart, free, deserted, first]\n\
-        evaluate { towns: [straight]  policies: [polite, rude]  pedestrians: [scripted]  episodes: 1 }\n}\n";
+        evaluate { towns: [straight]  drivers: [polite, rude]  pedestrians: [scripted]  episodes: 1 }\n}\n";
     let found = violations(text, 1);
     let of = |driver: &str, name: &str| {
         let (_, all) = found.iter().find(|(policy, _)| policy == driver).unwrap();
@@ -489,12 +489,12 @@ fn a_comparison_has_no_rate_of_a_requirement_that_never_applied() {
     let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport model3 from \"std/drivers.scn\"\n\
         town plain { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h } }\n\
         town marked { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h }  crosswalk { at: (100 m, 0 m) } }\n\
-        policy rude = cruise()\n\
+        driver rude = cruise()\n\
         requirement apart = always(crosswalk_distance < 50 m implies crosswalk_distance > 0 m)\n\
         spawn path = given_path { ego_poses: [(55 m, -1.75 m, 0 deg)]  ego_speed: 9 m/s  through: [(100 m, -4.5 m), (100 m, 6 m)]  speeds: [1.4 m/s] }\n\
         episode long { ticks: 240  hold: 20 }\n\
-        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: path  episode: long\n  requirements: [apart]\n\
-        evaluate { towns: [plain, marked]  policies: [rude]  pedestrians: [scripted]  episodes: 1 }\n}\n";
+        campaign mine {\n  vehicle: model3  body: plausible  spawn: path  episode: long\n  requirements: [apart]\n\
+        evaluate { towns: [plain, marked]  drivers: [rude]  pedestrians: [scripted]  episodes: 1 }\n}\n";
     let session = Session::default().with_reader(move |path: &Path| match path.to_str() {
         Some("my.scn") => Ok(text.to_string()),
         _ => std::fs::read_to_string(path),
@@ -577,10 +577,10 @@ fn a_reward_pays_for_violations_and_robustness() {
         on timeout => 10 - robustness(slow_pass)\n  on violated(slow_pass) => 1000\n  on violated(other) => 0.5\n}\n\
         spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }\n\
         episode until_passed { ticks: 160  hold: 10  end_when: ahead < -6 m }\n\
-        falsifier kinds = archive(reward: paid)\n\
-        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed\n\
+        method kinds = archive(reward: paid)\n\
+        campaign mine {\n  vehicle: model3  body: plausible  spawn: near  episode: until_passed\n\
         requirements: [slow_pass, other]\n\
-        search { towns: [harbour]  policies: [idm]  falsifiers: [kinds]  budget: 6_000  runs: 1 }\n}\n";
+        search { towns: [harbour]  drivers: [idm]  methods: [kinds]  budget: 6_000  runs: 1 }\n}\n";
     let compiled = |text: &str| {
         let own = text.to_string();
         let read =
@@ -634,14 +634,14 @@ fn a_reward_pays_for_violations_and_robustness() {
 fn repeated_starts_are_no_sample_and_draws_count() {
     let folder = tempfile::tempdir().unwrap();
     let text = "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\nimport \"std/pedestrians.scn\"\nimport \"std/sensors.scn\"\n\
-                policy noisy = idm(sensors: poor)\n\
+                driver noisy = idm(sensors: poor)\n\
                 town road { street r { through: [(-200 m, 0 m), (200 m, 0 m)] } }\n\
                 spawn here { ego_poses: [(-60 m, -1.75 m, 0 deg)]  bearing: 0 deg  distance: 40 m  ego_speed: 8 m/s }\n\
                 episode brief { ticks: 100  hold: 10 }\n\
-                campaign fixed {\n  vehicle: model3  adversary: plausible  spawn: here  episode: brief\n\
-                evaluate { towns: [road]  policies: [blind, noisy]  pedestrians: [homing]  episodes: 50 }\n}\n\
-                campaign cases {\n  vehicle: model3  adversary: adult_target  spawn: cpna  episode: protocol_test\n\
-                evaluate { towns: [test_track]  policies: [blind]  pedestrians: [intercept]  episodes: 180 }\n}\n";
+                campaign fixed {\n  vehicle: model3  body: plausible  spawn: here  episode: brief\n\
+                evaluate { towns: [road]  drivers: [blind, noisy]  pedestrians: [homing]  episodes: 50 }\n}\n\
+                campaign cases {\n  vehicle: model3  body: adult_target  spawn: cpna  episode: protocol_test\n\
+                evaluate { towns: [test_track]  drivers: [blind]  pedestrians: [intercept]  episodes: 180 }\n}\n";
     std::fs::write(folder.path().join("c.scn"), text).unwrap();
     assert!(crate::program::falsify(&["run", "c.scn"], folder.path()).status.success());
     let rows = |name: &str| {
@@ -649,7 +649,7 @@ fn repeated_starts_are_no_sample_and_draws_count() {
         let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
         let head = lines.next().unwrap();
         let place = |name: &str| head.iter().position(|each| each == name).unwrap();
-        let places = ["policy", "episodes", "fault_rate_low"].map(place);
+        let places = ["driver", "episodes", "fault_rate_low"].map(place);
         lines.map(|row| places.map(|place| row[place].clone())).collect::<Vec<_>>()
     };
     let fixed = rows("fixed");
@@ -662,12 +662,12 @@ fn repeated_starts_are_no_sample_and_draws_count() {
 fn a_protocol_is_gated_by_its_score_and_is_no_sample_of_injuries() {
     let folder = tempfile::tempdir().unwrap();
     let text = "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
-                campaign ncap {\n  vehicle: model3  adversary: adult_target  spawn: cpna  episode: protocol_test\n\
-                evaluate { towns: [test_track]  policies: [aeb, blind]  pedestrians: [scripted]  episodes: 18 }\n}\n";
+                campaign ncap {\n  vehicle: model3  body: adult_target  spawn: cpna  episode: protocol_test\n\
+                evaluate { towns: [test_track]  drivers: [aeb, blind]  pedestrians: [scripted]  episodes: 18 }\n}\n";
     std::fs::write(folder.path().join("c.scn"), text).unwrap();
     for (gate, code, said) in [
-        ("score < 0.9 and policy == aeb", 0, "passes, false in 1 row"),
-        ("passed < 1 and policy == aeb", 0, "passes, false in 1 row"),
+        ("score < 0.9 and driver == aeb", 0, "passes, false in 1 row"),
+        ("passed < 1 and driver == aeb", 0, "passes, false in 1 row"),
         ("score < 0.9", 7, "score is 0 in ncap"),
         ("passed < 1", 7, "passed is 0 in ncap"),
     ] {

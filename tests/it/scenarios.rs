@@ -91,12 +91,12 @@ import "lib/drivers.scn"
 import "lib/towns.scn"
 param missed: number = 0.5
 sensors eyes { miss_near: missed  miss_far: missed  far: 100 m  miss_correlation: 3 s }
-policy watched = aeb(sensors: eyes)
+driver watched = aeb(sensors: eyes)
 campaign looks {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   matrix { missed: [0, 1] }
-  train { towns: [harbour]  policies: [watched]  rewards: [r1]  runs: 1 }
-  evaluate { towns: [harbour]  policies: [watched]  pedestrians: [intercept]  episodes: 60 }
+  train { towns: [harbour]  drivers: [watched]  rewards: [r1]  runs: 1 }
+  evaluate { towns: [harbour]  drivers: [watched]  pedestrians: [intercept]  episodes: 60 }
 }
 "#;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/looks.scn");

@@ -15,8 +15,8 @@ import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 campaign crossing {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random, intercept]  episodes: 12 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [random, intercept]  episodes: 12 }
 }
 "#;
 

@@ -15,8 +15,8 @@ import "std/paper.scn"
 import "std/drivers.scn"
 import "std/towns.scn"
 campaign c {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random]  episodes: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [random]  episodes: 1 }
 }
 "#;
 
@@ -91,9 +91,9 @@ requirement tie_2 = always(elapsed <= 0.1 s, [0 s, 0.1 s])
 spawn near { bearing: -60 deg .. 60 deg  distance: 60 m .. 90 m  ego_speed: 3 m/s }
 episode short { ticks: 80  hold: 10 }
 campaign c {
-  vehicle: model3  adversary: plausible  spawn: near  episode: short
+  vehicle: model3  body: plausible  spawn: near  episode: short
   requirements: [pulse, tie_3, tie_2]
-  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random]  episodes: 2 }
+  evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [random]  episodes: 2 }
 }
 "#;
 

@@ -14,11 +14,11 @@ fn write_campaign(folder: &Path) {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     let text = format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
-         training short = ppo(steps: 600)\nfalsifier walk = homing()\n\
-         campaign parts {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: short\n\
-         train {{ towns: [harbour] policies: [behavior] rewards: [r1, r2] runs: 2 }}\n\
-         evaluate {{ towns: [harbour, village] policies: [blind] episodes: 12 }}\n\
-         search {{ towns: [harbour] policies: [blind] falsifiers: [walk] budget: 2000 runs: 2 }} }}\n",
+         training short = ppo(steps: 600)\nmethod walk = homing()\n\
+         campaign parts {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: short\n\
+         train {{ towns: [harbour] drivers: [behavior] rewards: [r1, r2] runs: 2 }}\n\
+         evaluate {{ towns: [harbour, village] drivers: [blind] episodes: 12 }}\n\
+         search {{ towns: [harbour] drivers: [blind] methods: [walk] budget: 2000 runs: 2 }} }}\n",
         lib.display()
     );
     std::fs::write(folder.join("parts.scn"), text).unwrap();

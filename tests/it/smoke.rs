@@ -17,22 +17,22 @@ import "std/pedestrians.scn"
 import "std/drivers.scn"
 import "std/rewards.scn"
 import "std/towns.scn"
-policy hasty = idm(time_headway: 0.3 s)
-policy patient = idm(time_headway: 4 s)
+driver hasty = idm(time_headway: 0.3 s)
+driver patient = idm(time_headway: 4 s)
 spawn moving { ego_speed: 20 km/h .. 50 km/h  bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }
 episode short { ticks: 60  hold: 10 }
 training quick = ppo(steps: 240, steps_per_update: 40, epochs: 2, batch_size: 40, environments: 1, hidden: [8])
-falsifier meet = intercept()
-falsifier learner = ppo(reward: fault, training: quick)
+method meet = intercept()
+method learner = ppo(reward: fault, training: quick)
 campaign all {
-  vehicle: model3  adversary: plausible  spawn: moving  episode: short  training: quick
-  train { towns: [village]  policies: [idm]  rewards: [fault]  runs: 2 }
+  vehicle: model3  body: plausible  spawn: moving  episode: short  training: quick
+  train { towns: [village]  drivers: [idm]  rewards: [fault]  runs: 2 }
   drive { towns: [village]  imitates: idm  demonstrations: 1_500  runs: 2  cars: 1 }
-  evaluate { towns: [village]  policies: [idm]  pedestrians: [trained, stochastic, untrained, random, intercept]  episodes: 8 }
-  search { towns: [village]  policies: [idm]  falsifiers: [meet, learner]  budget: 2_000  runs: 2  episodes: 7 }
-  estimate { towns: [village]  policies: [idm]  budget: 4_000  relative_error: 0.01  runs: 2 }
-  cover { towns: [village]  policies: [idm]  pedestrian: intercept  failure: collision  epsilon: 10 percent  budget: 90 }
-  harden { towns: [village]  test_towns: [harbour]  policy: idm  from: hasty  to: patient  falsifiers: [meet]  rivals: [meet]
+  evaluate { towns: [village]  drivers: [idm]  pedestrians: [trained, stochastic, untrained, random, intercept]  episodes: 8 }
+  search { towns: [village]  drivers: [idm]  methods: [meet, learner]  budget: 2_000  runs: 2  episodes: 7 }
+  estimate { towns: [village]  drivers: [idm]  budget: 4_000  relative_error: 0.01  runs: 2 }
+  cover { towns: [village]  drivers: [idm]  pedestrian: intercept  failure: collision  epsilon: 10 percent  budget: 90 }
+  harden { towns: [village]  test_towns: [harbour]  driver: idm  from: hasty  to: patient  methods: [meet]  rivals: [meet]
     budget: 1_500  rounds: 2  candidates: 4  lessons: 3  traffic: 3  episodes: 6  runs: 2 }
 }
 "#;

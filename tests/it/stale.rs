@@ -10,12 +10,12 @@ const SCENARIO: &str = r#"edition 1
 import "std/drivers.scn"
 import "std/pedestrians.scn"
 import "std/towns.scn"
-policy mine = external(command: "COMMAND", timeout: 60 s MORE)
+driver mine = external(command: "COMMAND", timeout: 60 s MORE)
 spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
 episode until_passed { hold: 10  ticks: 240  end_when: ahead < -6 m }
 campaign d {
-  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed
-  evaluate { towns: [harbour] policies: [mine] pedestrians: [intercept] episodes: 12 }
+  vehicle: model3  body: plausible  spawn: near  episode: until_passed
+  evaluate { towns: [harbour] drivers: [mine] pedestrians: [intercept] episodes: 12 }
 }
 "#;
 
@@ -144,11 +144,11 @@ fn an_edited_driver_is_repeated_with_files_that_it_does_not_declare_and_in_its_o
         std::fs::write(here.join(part).join("drv.py"), DRIVER).unwrap();
         std::fs::write(here.join(part).join("params.py"), format!("GAP = {gap}\n")).unwrap();
         let policy = r#"edition 1
-policy mine_PART = external(command: "python3 drv.py", timeout: 60 s, files: ["drv.py", "params.py"])
+driver mine_PART = external(command: "python3 drv.py", timeout: 60 s, files: ["drv.py", "params.py"])
 "#;
         std::fs::write(here.join(part).join("p.scn"), policy.replace("PART", part)).unwrap();
     }
-    let one = "policy mine = external(command: \"COMMAND\", timeout: 60 s MORE)";
+    let one = "driver mine = external(command: \"COMMAND\", timeout: 60 s MORE)";
     let both = SCENARIO.replace(one, "import \"a/p.scn\"\nimport \"b/p.scn\"").replace("[mine]", "[mine_a, mine_b]");
     std::fs::write(here.join("d.scn"), both).unwrap();
     run(here, &[], 0);

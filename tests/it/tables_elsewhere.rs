@@ -15,9 +15,9 @@ import "lib/drivers.scn"
 import "lib/towns.scn"
 training short = ppo(steps: 600)
 campaign tables {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
-  train { towns: [harbour] policies: [blind] rewards: [r1, r2] runs: 2 }
-  evaluate { towns: [harbour, village] policies: [blind] pedestrians: [trained, random] episodes: 8 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] drivers: [blind] rewards: [r1, r2] runs: 2 }
+  evaluate { towns: [harbour, village] drivers: [blind] pedestrians: [trained, random] episodes: 8 }
 }
 "#;
 

@@ -17,9 +17,9 @@ import "lib/drivers.scn"
 import "lib/towns.scn"
 training quick = ppo(steps: 360, steps_per_update: 30, epochs: 1, environments: 3, hidden: [8])
 campaign joint {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
-  train { towns: [harbour, village] policies: [idm, blind] rewards: [r1] runs: 1 TOGETHER }
-  evaluate { towns: [harbour, village] policies: [idm, blind] pedestrians: [trained] episodes: 6 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  train { towns: [harbour, village] drivers: [idm, blind] rewards: [r1] runs: 1 TOGETHER }
+  evaluate { towns: [harbour, village] drivers: [idm, blind] pedestrians: [trained] episodes: 6 }
 }
 "#;
 
@@ -40,11 +40,11 @@ fn a_training_is_of_each_pair_or_of_all_that_are_trained_together() {
     };
     let key = |town: &str, policy: &str, places| (town.to_string(), policy.to_string(), places);
     assert_eq!(keys("").len(), 4);
-    assert_eq!(keys("together: policies"), [key("harbour", "idm+blind", 2), key("village", "idm+blind", 2)]);
+    assert_eq!(keys("together: drivers"), [key("harbour", "idm+blind", 2), key("village", "idm+blind", 2)]);
     assert_eq!(keys("together: towns"), [key("harbour+village", "idm", 2), key("harbour+village", "blind", 2)]);
     assert_eq!(keys("together: all"), [key("harbour+village", "idm+blind", 4)]);
     let fingerprint = |together: &str| plan(together).campaigns[0].nth::<compile::Training>(0).origin.fingerprint;
-    let all: BTreeSet<_> = ["", "together: policies", "together: towns", "together: all"].map(fingerprint).into();
+    let all: BTreeSet<_> = ["", "together: drivers", "together: towns", "together: all"].map(fingerprint).into();
     assert_eq!(all.len(), 4);
 }
 

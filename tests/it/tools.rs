@@ -16,17 +16,17 @@ fn said(output: &Output) -> (String, String) {
 fn a_file_is_laid_out_in_place_and_one_with_mistakes_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    std::fs::write(path("a.scn"), "edition 1 reward r{on hit=>1}").unwrap();
-    std::fs::write(path("bad.scn"), "edition 1 reward r{on hit=>}").unwrap();
+    std::fs::write(path("a.scn"), "edition 1 reward r{on touch=>1}").unwrap();
+    std::fs::write(path("bad.scn"), "edition 1 reward r{on touch=>}").unwrap();
     let check = falsify(&["fmt", "--check", "a.scn"], folder.path());
     assert_eq!((check.status.code(), said(&check).0.as_str()), (Some(3), "a.scn\n"));
     assert_eq!(falsify(&["fmt", "a.scn"], folder.path()).status.code(), Some(0));
-    assert_eq!(std::fs::read_to_string(path("a.scn")).unwrap(), "edition 1\nreward r { on hit => 1 }\n");
+    assert_eq!(std::fs::read_to_string(path("a.scn")).unwrap(), "edition 1\nreward r { on touch => 1 }\n");
     assert_eq!(falsify(&["fmt", "--check", "a.scn"], folder.path()).status.code(), Some(0));
     let bad = falsify(&["fmt", "bad.scn", "a.scn"], folder.path());
     assert_eq!(bad.status.code(), Some(3));
     assert!(said(&bad).1.contains("error[syntax]") && said(&bad).1.contains("was left alone"));
-    assert_eq!(std::fs::read_to_string(path("bad.scn")).unwrap(), "edition 1 reward r{on hit=>}");
+    assert_eq!(std::fs::read_to_string(path("bad.scn")).unwrap(), "edition 1 reward r{on touch=>}");
     assert_eq!(falsify(&["fmt", "none.scn"], folder.path()).status.code(), Some(2));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing else is left behind");
 }
@@ -34,9 +34,9 @@ fn a_file_is_laid_out_in_place_and_one_with_mistakes_is_left_alone() {
 #[test]
 fn an_editor_can_lay_out_what_it_has() {
     let mut child = command().args(["fmt", "--stdin"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(b"edition 1\r\n\r\n\r\n\r\nreward r{on hit=>1}").unwrap();
+    child.stdin.take().unwrap().write_all(b"edition 1\r\n\r\n\r\n\r\nreward r{on touch=>1}").unwrap();
     let output = child.wait_with_output().unwrap();
-    assert_eq!(said(&output).0, "edition 1\n\nreward r { on hit => 1 }\n");
+    assert_eq!(said(&output).0, "edition 1\n\nreward r { on touch => 1 }\n");
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn mistakes_are_told_to_programs() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(
         folder.path().join("a b.scn"),
-        "edition 1\n/* é */ rewrd a {}\nreward r { on hit => max(3, v_c) }\n",
+        "edition 1\n/* é */ rewrd a {}\nreward r { on touch => max(3, v_c) }\n",
     )
     .unwrap();
     let output = falsify(&["check", "--format", "json", "a b.scn"], folder.path());
@@ -100,8 +100,8 @@ import harbour, village from \"std/towns.scn\"
 param least: angle = 1 deg
 spawn there { require: [facing > least and facing < 1.01 deg] }
 campaign c {
-  vehicle: model3 adversary: suicidal spawn: there episode: thirty_seconds training: ppo_paper
-  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 1 }
+  vehicle: model3 body: suicidal spawn: there episode: thirty_seconds training: ppo_paper
+  train { towns: [harbour] drivers: [behavior] rewards: [r1] runs: 1 }
 }
 ";
 
@@ -150,11 +150,11 @@ fn towns_are_shown_where_no_pedestrian_can_be_placed_and_what_is_given_outside_i
 #[test]
 fn explanations_are_printed() {
     let folder = tempfile::tempdir().unwrap();
-    let output = falsify(&["explain", "policy", "idm", "margin"], folder.path());
+    let output = falsify(&["explain", "driver", "idm", "margin"], folder.path());
     assert!(said(&output).0.contains("default `0.5 m`"), "{output:?}");
-    let output = falsify(&["explain", "polcy"], folder.path());
+    let output = falsify(&["explain", "drivr"], folder.path());
     assert_eq!(output.status.code(), Some(2));
-    assert!(said(&output).1.contains("did you mean `policy`?"));
+    assert!(said(&output).1.contains("did you mean `driver`?"));
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn pipes_and_devices_are_refused_at_once() {
     assert!(Command::new("mkfifo").arg(place.path().join("pipe")).status().unwrap().success());
     fs::write(place.path().join("import.scn"), "edition 1\nimport \"pipe\"\n").unwrap();
     fs::write(place.path().join("map.scn"), "edition 1\ntown t = opendrive(file: \"pipe\")\n").unwrap();
-    fs::write(place.path().join("model.scn"), "edition 1\npolicy p = onnx(model: \"pipe\")\n").unwrap();
+    fs::write(place.path().join("model.scn"), "edition 1\ndriver p = onnx(model: \"pipe\")\n").unwrap();
     for arguments in [
         ["check", "pipe"],
         ["preview", "pipe"],
@@ -141,7 +141,7 @@ fn a_network_that_would_hang_or_abort_is_refused() {
     let place = tempfile::tempdir().unwrap();
     for name in ["hang_185_bytes", "abort_132_bytes"] {
         let model = models.join(format!("{name}.onnx"));
-        fs::write(place.path().join("a.scn"), format!("edition 1\npolicy p = onnx(model: \"{}\")\n", model.display()))
+        fs::write(place.path().join("a.scn"), format!("edition 1\ndriver p = onnx(model: \"{}\")\n", model.display()))
             .unwrap();
         let output = small(&["check", "a.scn"], place.path());
         assert_eq!(output.status.code(), Some(3), "{name}: {output:?}");
@@ -177,9 +177,9 @@ import "std/drivers.scn"
 import "std/towns.scn"
 training quick = ppo(steps: 120, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])
 campaign cut {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
-  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 1 }
-  evaluate { towns: [village] policies: [blind] pedestrians: [trained, random] episodes: 12 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  train { towns: [harbour] drivers: [behavior] rewards: [r1] runs: 1 }
+  evaluate { towns: [village] drivers: [blind] pedestrians: [trained, random] episodes: 12 }
 }
 "#;
 
@@ -357,9 +357,9 @@ fn with_driver(command: &str) -> tempfile::TempDir {
     let place = campaign();
     let text = format!(
         "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
-         policy mine = external(command: \"{command}\", timeout: 2 s)\n\
-         campaign outside {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds\n\
-         evaluate {{ towns: [harbour] policies: [mine] pedestrians: [random] episodes: 1 }} }}\n"
+         driver mine = external(command: \"{command}\", timeout: 2 s)\n\
+         campaign outside {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds\n\
+         evaluate {{ towns: [harbour] drivers: [mine] pedestrians: [random] episodes: 1 }} }}\n"
     );
     fs::write(place.path().join("outside.scn"), text).unwrap();
     place
@@ -444,9 +444,9 @@ fn a_slow_training_answers_a_signal_and_its_limit() {
     assert!(slow.contains("time.sleep"));
     fs::write(place.path().join("slow.py"), slow).unwrap();
     let text = "edition 1\nimport \"std/paper.scn\"\nimport \"std/rewards.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
-                policy mine = external(command: \"python3 slow.py\")\n\
-                campaign outside { vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
-                train { towns: [harbour] policies: [mine] rewards: [r1] runs: 1 } }\n";
+                driver mine = external(command: \"python3 slow.py\")\n\
+                campaign outside { vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
+                train { towns: [harbour] drivers: [mine] rewards: [r1] runs: 1 } }\n";
     fs::write(place.path().join("outside.scn"), text).unwrap();
     let start = |more: &[&str]| {
         let mut command = program::command();

@@ -15,8 +15,8 @@ import "std/drivers.scn"
 import "std/towns.scn"
 training quick = ppo(steps: 240, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])
 campaign curves {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
-  train { towns: [harbour] policies: [blind] rewards: [r1] runs: 2 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  train { towns: [harbour] drivers: [blind] rewards: [r1] runs: 2 }
 }
 "#;
 
@@ -151,18 +151,18 @@ fn events_of_a_training_end_with_its_last_row_and_a_curve_that_cannot_be_written
 #[test]
 fn rates_of_all_methods_are_units_over_time_and_stored_work_has_none() {
     let search = r#"
-falsifier chance = random()
-falsifier meet = intercept()
-falsifier home = homing()
-falsifier grid = exhaustive(levels: 2)
-falsifier elites = archive(reward: r1)
-falsifier cross = cem(tries: 20, population: 10, elite: 3)
-falsifier strategy = cma_es(tries: 20)
-falsifier tree = mcts(reward: ast, tries: 20)
-falsifier learner = ppo(reward: r1)
+method chance = random()
+method meet = intercept()
+method home = homing()
+method grid = exhaustive(levels: 2)
+method elites = archive(reward: r1)
+method cross = cem(tries: 20, population: 10, elite: 3)
+method strategy = cma_es(tries: 20)
+method tree = mcts(reward: ast, tries: 20)
+method learner = ppo(reward: r1)
 campaign curves {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
-  search { towns: [harbour] policies: [blind] falsifiers: [chance, meet, home, grid, elites, cross, strategy, tree, learner] budget: 3_000 runs: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  search { towns: [harbour] drivers: [blind] methods: [chance, meet, home, grid, elites, cross, strategy, tree, learner] budget: 3_000 runs: 1 }
 }
 "#;
     let folder = tempfile::tempdir().unwrap();

@@ -123,7 +123,7 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
         assert_eq!(row["still_collisions"], row["failures"], "{row}");
         assert_eq!(row["still_fault_share"].is_null(), row["old_faults"] == 0, "{row}");
         assert_eq!(row["world"], "my_world");
-        assert_eq!(row["walked_by"], "controller", "a recorded walk says little there");
+        assert_eq!(row["walked_by"], "pedestrian", "a recorded walk says little there");
     }
     let sampled = falsify(&[&arguments[..], &["--sample", "1"]].concat(), place.path());
     let sampled: serde_json::Value = serde_json::from_slice(&sampled.stdout).unwrap();
@@ -153,15 +153,15 @@ fn a_recheck_stays_in_a_world_and_says_what_another_one_lacks() {
     let world = |fault: &str| format!("python3 {} {fault}", top("tests/external/world.py"));
     let scenario = format!(
         "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
-         world there = bridge(command: \"{}\")\npolicy theirs = native(driver: \"blind\")\nepisode wet {{ friction: 0.4 }}\n\
+         world there = bridge(command: \"{}\")\ndriver theirs = native(name: \"blind\")\nepisode wet {{ friction: 0.4 }}\n\
          spawn driving {{ bearing: -45 deg .. 45 deg distance: 15 m .. 40 m }}\n\
-         campaign native {{ vehicle: model3 adversary: suicidal spawn: driving episode: thirty_seconds\n\
-         evaluate {{ towns: [harbour] policies: [theirs] pedestrians: [intercept] episodes: 8 worlds: [there] }} }}\n\
-         campaign slippery {{ vehicle: model3 adversary: suicidal spawn: driving episode: wet\n\
-         evaluate {{ towns: [harbour] policies: [blind] pedestrians: [intercept] episodes: 8 }} }}\n\
-         campaign traffic {{ vehicle: model3 adversary: suicidal spawn: driving episode: thirty_seconds\n\
-         cast {{ child: pedestrian() follower: vehicle(policy: blind, behind: ego, gap: 1 s .. 2 s) }}\n\
-         evaluate {{ towns: [harbour] policies: [blind] pedestrians: [intercept] episodes: 8 }} }}\n",
+         campaign native {{ vehicle: model3 body: suicidal spawn: driving episode: thirty_seconds\n\
+         evaluate {{ towns: [harbour] drivers: [theirs] pedestrians: [intercept] episodes: 8 worlds: [there] }} }}\n\
+         campaign slippery {{ vehicle: model3 body: suicidal spawn: driving episode: wet\n\
+         evaluate {{ towns: [harbour] drivers: [blind] pedestrians: [intercept] episodes: 8 }} }}\n\
+         campaign traffic {{ vehicle: model3 body: suicidal spawn: driving episode: thirty_seconds\n\
+         cast {{ child: pedestrian() follower: vehicle(driver: blind, behind: ego, gap: 1 s .. 2 s) }}\n\
+         evaluate {{ towns: [harbour] drivers: [blind] pedestrians: [intercept] episodes: 8 }} }}\n",
         world("none")
     );
     std::fs::write(place.path().join("three.scn"), scenario).unwrap();

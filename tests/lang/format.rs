@@ -161,7 +161,7 @@ fn untidy() -> impl Strategy<Value = String> {
     let value = prop_oneof![3 => value.clone(), 1 => range];
     let pair = (gap(), value.clone(), gap(), prop::sample::select(vec!["", ",", ";", "\n"]))
         .prop_map(|(a, v, b, end)| format!("key:{b}{v}{end}{a}"));
-    let clause = (gap(), value).prop_map(|(gap, v)| format!("on{gap} hit(front) =>{gap}{v}{gap}"));
+    let clause = (gap(), value).prop_map(|(gap, v)| format!("on{gap} touch(front) =>{gap}{v}{gap}"));
     let entry = prop_oneof![4 => pair, 1 => clause, 1 => Just("\n/// said\nkey: 1 ".to_string())];
     let block = (prop::collection::vec(entry, 0..6), gap(), gap())
         .prop_map(|(entries, a, b)| format!("{{{a}{}{b}}}", entries.join(" ")));

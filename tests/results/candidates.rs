@@ -15,8 +15,8 @@ fn campaign(candidates: u32) -> Campaign {
          import \"lib/towns.scn\"
          training two = ppo(environments: 2, steps_per_update: 64, steps: 128)
          campaign several {{
-           vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: two
-           train {{ towns: [harbour] policies: [blind] rewards: [r1] runs: 1  candidates: {candidates} }}
+           vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: two
+           train {{ towns: [harbour] drivers: [blind] rewards: [r1] runs: 1  candidates: {candidates} }}
          }}"
     );
     let root = crate::repository().join("scenarios/candidates.scn");

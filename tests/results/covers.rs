@@ -15,7 +15,7 @@ fn compiled(block: &str) -> Result<Campaign, String> {
          spawn held = crossing_test(meeting: (0 m, -1.75 m, 0 deg), test_speeds: [30 km/h], overlaps: [50 percent], \
          approach: 75 percent .. 100 percent, headway: 8 s)\n\
          episode short {{ ticks: 300 hold: 10 }}\n\
-         campaign c {{ vehicle: model3 adversary: layered_walker spawn: near episode: short\n{block} }}"
+         campaign c {{ vehicle: model3 body: layered_walker spawn: near episode: short\n{block} }}"
     );
     let root = crate::repository().join("scenarios/test_of_covers.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
@@ -34,7 +34,7 @@ fn covers(block: &str, threads: usize) -> Vec<(Cover, FoundInBox)> {
 
 #[test]
 fn a_driver_that_sees_nobody_fails_all_over_the_layer_and_its_picture_says_so() {
-    let block = "cover { towns: [test_track] policies: [blind] spawn: held pedestrian: scripted failure: collision \
+    let block = "cover { towns: [test_track] drivers: [blind] spawn: held pedestrian: scripted failure: collision \
                  epsilon: 5 percent budget: 600 picture: [walking_speed, turn] }";
     let [(cover, found)] = &covers(block, 1)[..] else { panic!("one cover") };
     assert_eq!((cover.parameter_names(), &cover.picture), (vec!["approach", "walking_speed", "turn"], &vec![1, 2]));
@@ -46,7 +46,7 @@ fn a_driver_that_sees_nobody_fails_all_over_the_layer_and_its_picture_says_so() 
 
 #[test]
 fn covers_are_equal_with_any_number_of_threads() {
-    let block = "cover { towns: [harbour] policies: [blind, idm] pedestrian: intercept failure: collision epsilon: 10 percent budget: 300 }";
+    let block = "cover { towns: [harbour] drivers: [blind, idm] pedestrian: intercept failure: collision epsilon: 10 percent budget: 300 }";
     let (one, three) = (covers(block, 1), covers(block, 3));
     assert_eq!(one.len(), 2);
     assert!(one.iter().zip(&three).all(|(one, three)| one.1 == three.1));
@@ -57,7 +57,7 @@ fn covers_are_equal_with_any_number_of_threads() {
 
 #[test]
 fn a_box_needs_ranges_and_a_picture_its_parameters() {
-    let cover = |keys: &str| compiled(&format!("cover {{ towns: [harbour] policies: [blind] {keys} }}")).unwrap_err();
+    let cover = |keys: &str| compiled(&format!("cover {{ towns: [harbour] drivers: [blind] {keys} }}")).unwrap_err();
     assert!(cover("spawn: one").contains("no box to cover"), "{}", cover("spawn: one"));
     assert!(cover("picture: [delay]").contains("bearing, distance"), "{}", cover("picture: [delay]"));
     let twice = cover("picture: [bearing, bearing]");

@@ -15,10 +15,10 @@ use world::likelihood::{Encounters, Estimate};
 fn campaign(block: &str) -> Campaign {
     let text = format!(
         "edition 1\nimport \"lib/drivers.scn\"\nimport \"lib/pedestrians.scn\"\nimport \"lib/sensors.scn\"\nimport \"lib/towns.scn\"\n\
-         policy squinting = idm(time_headway: 1.5 s, sensors: poor)\n\
+         driver squinting = idm(time_headway: 1.5 s, sensors: poor)\n\
          spawn ahead_of_it {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }}\n\
          episode brief {{ tick: 0.05 s  hold: 10  ticks: 240  end_when: ahead < -6 m }}\n\
-         campaign c {{ vehicle: model3 adversary: pursuer spawn: ahead_of_it episode: brief\n{block} }}"
+         campaign c {{ vehicle: model3 body: pursuer spawn: ahead_of_it episode: brief\n{block} }}"
     );
     let root = crate::repository().join("scenarios/estimates.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
@@ -33,14 +33,14 @@ fn estimates(block: &str) -> Vec<Estimate> {
 
 #[test]
 fn what_has_a_default_may_be_left_out() {
-    let plan = campaign("estimate { towns: [harbour]  policies: [idm] }\ncover { towns: [harbour]  policies: [idm] }");
+    let plan = campaign("estimate { towns: [harbour]  drivers: [idm] }\ncover { towns: [harbour]  drivers: [idm] }");
     assert_eq!((plan.all::<compile::Estimation>().count(), plan.all::<compile::Cover>().count()), (1, 1));
 }
 
 #[test]
 fn the_unbiased_probability_is_that_of_the_counted_encounters() {
     let block =
-        "estimate { towns: [harbour]  policies: [squinting]  event: failure  relative_error: 0.1  budget: 2_000_000 }";
+        "estimate { towns: [harbour]  drivers: [squinting]  event: failure  relative_error: 0.1  budget: 2_000_000 }";
     let found = estimates(block)[0].clone();
     let failure = found.of(Blame::Any);
     assert_eq!((failure.seen, found.short), (100, false));
@@ -63,7 +63,7 @@ fn the_unbiased_probability_is_that_of_the_counted_encounters() {
 
 #[test]
 fn an_estimate_does_not_depend_on_threads() {
-    let block = "estimate { towns: [harbour]  policies: [idm]  event: failure  budget: 300_000 }";
+    let block = "estimate { towns: [harbour]  drivers: [idm]  event: failure  budget: 300_000 }";
     let of = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| estimates(block))

@@ -19,7 +19,7 @@ fn cells() -> DataFrame {
     let learnt: Vec<Option<&str>> = vec![Some("yes"), Some("no"), None];
     df!(
         "town" => ["harbour", "village", "village"],
-        "controller" => ["trained", "trained", "random"],
+        "pedestrian" => ["trained", "trained", "random"],
         "learnt" => learnt,
         "preventable_rate_mean" => rates,
         "errors" => [0_u32, 0, 3]
@@ -87,8 +87,8 @@ fn words_of_the_key_choose_cells_and_other_words_are_judged() {
         ("learnt == yes", "bpe"),
         ("learnt != yes and town == harbour", "pee"),
         ("learnt != yes and preventable_rate > 0.05", "pbe"),
-        ("controller == random and town == harbour", "eee"),
-        ("controller == random", "eeb"),
+        ("pedestrian == random and town == harbour", "eee"),
+        ("pedestrian == random", "eeb"),
     ] {
         assert_eq!(judged(text), wanted, "{text}");
     }
@@ -138,7 +138,7 @@ fn a_gate_that_judges_nothing_fails() {
         "one failure in ten episodes would break it; all others were left out"
     );
     assert_eq!(letters(&cells, "fault_rate > 0.1"), "pn");
-    assert_eq!(letters(&cells, "max over controllers fault_rate > 0.05"), "tn");
+    assert_eq!(letters(&cells, "max over pedestrians fault_rate > 0.05"), "tn");
     assert_eq!(letters(&cells, "errors > 5"), "pn");
     assert_eq!(letters(&cells, "errors > 0"), "pb", "what is broken is said");
     assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "te");
@@ -178,7 +178,7 @@ fn a_gate_on_a_probability_fails_where_no_number_of_failures_could_break_it() {
     assert_eq!(judged([0, 7], [1, 1], [0, 2], chance), "np");
     // All untrained controllers together are another family.
     let pooled = df!(
-        "controller" => ["random", "intercept", "all untrained"],
+        "pedestrian" => ["random", "intercept", "all untrained"],
         "runs" => [1_u32, 1, 2],
         "common_starts" => [6_u32, 6, 6],
         "fault_rate_difference" => [0.0, 0.0, 0.0],
@@ -217,7 +217,7 @@ fn a_gate_that_can_never_be_true_is_refused() {
         "fault_rate_sd < 0",
         "learnt == yes and learnt != yes",
         "town == village and town == harbour",
-        "max over controllers fault_rate > 0.5 and fault_rate < 0.4",
+        "max over pedestrians fault_rate > 0.5 and fault_rate < 0.4",
     ] {
         assert!(matches!(Gate::parse(text), Err(GateError::Never { .. })), "{text}");
     }
@@ -245,18 +245,18 @@ fn a_gate_over_controllers_judges_one_cell_of_each_place() {
     let rates: Vec<Option<f64>> = vec![Some(0.02), Some(0.15), Some(0.15), Some(0.03), None, None];
     let cells = df!(
         "town" => ["harbour", "harbour", "harbour", "village", "village", "quay"],
-        "controller" => ["trained", "intercept", "homing", "trained", "random", "random"],
+        "pedestrian" => ["trained", "intercept", "homing", "trained", "random", "random"],
         "preventable_rate_mean" => rates,
         "errors" => [0_u32, 2, 0, 0, 0, 0]
     )
     .unwrap();
     for (text, wanted) in [
         // A trained row that learnt nothing hides nothing.
-        ("max over controllers preventable_rate > 0.05", "ebepem"),
-        ("min over controllers preventable_rate < 0.025", "beepem"),
-        ("max over controllers preventable_rate > 0.05 and controller != intercept", "eebpem"),
-        ("max over controllers preventable_rate > 0.05 and errors < 1", "epepem"),
-        ("max over controllers preventable_rate > 0.05 and town == harbour", "ebeeee"),
+        ("max over pedestrians preventable_rate > 0.05", "ebepem"),
+        ("min over pedestrians preventable_rate < 0.025", "beepem"),
+        ("max over pedestrians preventable_rate > 0.05 and pedestrian != intercept", "eebpem"),
+        ("max over pedestrians preventable_rate > 0.05 and errors < 1", "epepem"),
+        ("max over pedestrians preventable_rate > 0.05 and town == harbour", "ebeeee"),
     ] {
         assert_eq!(letters(&cells, text), wanted, "{text}");
     }
@@ -280,13 +280,13 @@ fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
     assert!(said("preventable_rate > 0.5 or errors > 0").contains("for `or` write several gates"));
     assert!(said("preventable_rate > 0.5 && errors > 0").contains("`and` joins conditions"));
     assert!(said("town > a").contains("== or !="));
-    assert!(said("max over controllers town == a").contains("only numbers"));
-    let twice = "max over controllers collision_rate > 0 and min over controllers collision_rate > 0";
+    assert!(said("max over pedestrians town == a").contains("only numbers"));
+    let twice = "max over pedestrians collision_rate > 0 and min over pedestrians collision_rate > 0";
     assert!(matches!(Gate::parse(twice), Err(GateError::Extremes { .. })));
-    for text in ["max over towns collision_rate > 0", "max over controllers > 0", "maximum collision_rate > 0"] {
+    for text in ["max over towns collision_rate > 0", "max over pedestrians > 0", "maximum collision_rate > 0"] {
         assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
     }
-    assert!(Gate::parse("max over controllers preventable_rate_student_low > 0.05 and learnt == yes").is_ok());
+    assert!(Gate::parse("max over pedestrians preventable_rate_student_low > 0.05 and learnt == yes").is_ok());
 }
 
 #[test]

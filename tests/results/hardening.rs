@@ -11,12 +11,12 @@ use world::hardening::Hardened;
 fn compiled(block: &str) -> Result<Campaign, String> {
     let text = format!(
         "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/rewards.scn\"\nimport \"std/towns.scn\"\n\
-         policy late = aeb(full: 0.3 s, partial: 0.4 s)\n\
+         driver late = aeb(full: 0.3 s, partial: 0.4 s)\n\
          spawn near {{ ego_speed: 20 km/h .. 50 km/h bearing: -60 deg .. 60 deg distance: 7 m .. 40 m }}\n\
          episode short {{ ticks: 240 hold: 10 end_when: ahead < -6 m }}\n\
-         falsifier crossings = archive(reward: fault)\n\
-         falsifier meet = intercept()\n\
-         campaign c {{ vehicle: model3 adversary: plausible spawn: near episode: short\n{block} }}"
+         method crossings = archive(reward: fault)\n\
+         method meet = intercept()\n\
+         campaign c {{ vehicle: model3 body: plausible spawn: near episode: short\n{block} }}"
     );
     let root = crate::repository().join("scenarios/test_of_hardening.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
@@ -26,11 +26,11 @@ fn compiled(block: &str) -> Result<Campaign, String> {
     compiled.plan.map(|plan| plan.campaigns[0].clone()).ok_or_else(|| messages.join("\n"))
 }
 
-const SMALL: &str = "towns: [harbour] test_towns: [village] falsifiers: [crossings] rivals: [meet] budget: 12_000 rounds: 2 \
+const SMALL: &str = "towns: [harbour] test_towns: [village] methods: [crossings] rivals: [meet] budget: 12_000 rounds: 2 \
                      candidates: 14 lessons: 5 traffic: 15 episodes: 60 runs: 1";
 
 fn harden(keys: &str, threads: usize) -> Measured<Harden> {
-    let campaign = compiled(&format!("harden {{ {SMALL} policy: late {keys} }}")).unwrap();
+    let campaign = compiled(&format!("harden {{ {SMALL} driver: late {keys} }}")).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let finished = pool.install(|| run(&campaign, &Seed::root(1), &NoStore, &Silent));
     finished.all::<Measured<Harden>>()[0].clone()
@@ -52,9 +52,9 @@ fn a_brake_that_is_too_late_becomes_an_earlier_one_at_any_number_of_threads() {
     // The emergency brake may not act later than the partial one.
     assert!(hardened.values[0] <= hardened.values[1] && hardened.values[1] > 0.4, "{:?}", hardened.values);
     let line = one.job.written.line(&hardened.values);
-    assert!(line.starts_with("policy late_hardened = aeb(full: ") && line.ends_with(" s)"), "{line}");
+    assert!(line.starts_with("driver late_hardened = aeb(full: ") && line.ends_with(" s)"), "{line}");
     let again = compiled(&format!(
-        "search {{ towns: [harbour] policies: [idm] falsifiers: [meet] }} }}\n{line}\nspawn other {{ bearing: 0 deg distance: 20 m"
+        "search {{ towns: [harbour] drivers: [idm] methods: [meet] }} }}\n{line}\nspawn other {{ bearing: 0 deg distance: 20 m"
     ));
     assert!(again.is_ok(), "{again:?}");
     assert_eq!(hardened.tests.len(), 2);
@@ -73,7 +73,7 @@ fn a_limit_without_slack_leaves_a_driver_that_can_only_slow_down_as_it_is() {
 
 #[test]
 fn keys_that_cannot_be_varied_are_reported() {
-    let wrong = |keys: &str| compiled(&format!("harden {{ {SMALL} policy: late {keys} }}")).unwrap_err();
+    let wrong = |keys: &str| compiled(&format!("harden {{ {SMALL} driver: late {keys} }}")).unwrap_err();
     for (keys, message) in [
         ("from: idm(margin: 0 m) to: idm(margin: 1 m)", "`from` is of kind `idm`, and `late` of kind `aeb`"),
         ("from: aeb(full: 0.1 s) to: aeb(full: 0.1 s)", "`from` and `to` are equal"),
@@ -84,7 +84,7 @@ fn keys_that_cannot_be_varied_are_reported() {
         assert!(said.contains(message), "{keys}: {said}");
     }
     let same = compiled(
-        "harden { towns: [harbour] test_towns: [harbour] falsifiers: [meet] policy: late from: aeb(full: 0.1 s) to: aeb(full: 0.2 s) }",
+        "harden { towns: [harbour] test_towns: [harbour] methods: [meet] driver: late from: aeb(full: 0.1 s) to: aeb(full: 0.2 s) }",
     );
     assert!(same.unwrap_err().contains("the driver is repaired in this town"));
 }

@@ -18,8 +18,8 @@ fn campaign(adversary: &str, pedestrians: &str) -> Campaign {
          spawn ahead_of_a_moving_car {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }}
          episode until_passed {{ tick: 0.05 s  hold: 10  ticks: 240  end_when: ahead < -6 m }}
          campaign hunt {{
-           vehicle: model3  adversary: {adversary}  spawn: ahead_of_a_moving_car  episode: until_passed
-           evaluate {{ towns: [village] policies: [behavior] pedestrians: [{pedestrians}] episodes: 400 }}
+           vehicle: model3  body: {adversary}  spawn: ahead_of_a_moving_car  episode: until_passed
+           evaluate {{ towns: [village] drivers: [behavior] pedestrians: [{pedestrians}] episodes: 400 }}
          }}"
     );
     let root = crate::repository().join("hunt.scn");
@@ -58,7 +58,7 @@ fn hunters_find_twice_the_faults_of_an_interception_without_a_training() {
 }
 
 #[test]
-#[should_panic(expected = "unfit-controller")]
+#[should_panic(expected = "unfit-pedestrian")]
 fn a_hunter_with_the_commands_of_another_adversary_is_an_error() {
     campaign("plausible", "hunter");
 }

@@ -18,20 +18,20 @@ town straight { street quay { through: [(0 m, 0 m), (400 m, 0 m)] } }
 episode ten_seconds { ticks: 200 }
 spawn in_the_way { ego_speed: 0 m/s  ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: -2 deg .. 2 deg  distance: 7 m .. 12 m }
 spawn far_aside { ego_speed: 0 m/s  ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: 20 deg .. 22 deg  distance: 28 m .. 29 m }
-adversary slow { speed: 0 m/s .. 2 m/s  observation_frame: line_of_sight  action_frame: line_of_sight  ramp: 0 s  turning: 20 Hz }
+body slow { speed: 0 m/s .. 2 m/s  observation_frame: line_of_sight  action_frame: line_of_sight  ramp: 0 s  turning: 20 Hz }
 training two = ppo(environments: 2, steps_per_update: 32)
-falsifier chance = random()
-falsifier home = homing()
-falsifier meet = intercept()
-falsifier cross = cem(tries: 1000)
-falsifier strategy = cma_es(tries: 1000)
-falsifier tree = mcts(reward: ast, tries: 1000)
-falsifier learner = ppo(reward: r1)
-falsifier pair = ppo(reward: r1, training: two)
-falsifier kinds = archive(reward: moving)
-falsifier narrow = archive(reward: moving, explore: 0, choice: 0)
-falsifier grid = exhaustive(levels: 2)
-reward moving { on hit(moving) => 1 }
+method chance = random()
+method home = homing()
+method meet = intercept()
+method cross = cem(tries: 1000)
+method strategy = cma_es(tries: 1000)
+method tree = mcts(reward: ast, tries: 1000)
+method learner = ppo(reward: r1)
+method pair = ppo(reward: r1, training: two)
+method kinds = archive(reward: moving)
+method narrow = archive(reward: moving, explore: 0, choice: 0)
+method grid = exhaustive(levels: 2)
+reward moving { on touch(moving) => 1 }
 "#;
 
 fn campaign(text: &str) -> Campaign {
@@ -44,8 +44,8 @@ fn campaign(text: &str) -> Campaign {
 
 fn obvious(falsifiers: &str, budget: u64, runs: u32) -> Campaign {
     campaign(&format!(
-        "campaign obvious {{ vehicle: model3 adversary: suicidal spawn: in_the_way episode: ten_seconds training: ppo_paper
-         search {{ towns: [straight] policies: [blind] falsifiers: [{falsifiers}] budget: {budget} runs: {runs} episodes: 20 }} }}"
+        "campaign obvious {{ vehicle: model3 body: suicidal spawn: in_the_way episode: ten_seconds training: ppo_paper
+         search {{ towns: [straight] drivers: [blind] methods: [{falsifiers}] budget: {budget} runs: {runs} episodes: 20 }} }}"
     ))
 }
 
@@ -139,8 +139,8 @@ fn starts_are_shared_and_a_second_falsifier_changes_nothing_for_the_first() {
 #[test]
 fn searches_with_a_goal_find_what_walking_at_random_does_not() {
     let plan = campaign(
-        "campaign rare { vehicle: model3 adversary: slow spawn: far_aside episode: ten_seconds training: ppo_paper
-         search { towns: [straight] policies: [idm] falsifiers: [chance, home, meet, cross, strategy, tree]
+        "campaign rare { vehicle: model3 body: slow spawn: far_aside episode: ten_seconds training: ppo_paper
+         search { towns: [straight] drivers: [idm] methods: [chance, home, meet, cross, strategy, tree]
                   budget: 150_000 runs: 4 episodes: 0 } }",
     );
     let results = run(&plan);
@@ -179,9 +179,9 @@ spawn ahead_of_a_moving_car {
 }
 episode until_passed { hold: 10  ticks: 400  end_when: ahead < -6 m }
 reward faulty {
-  on hit(fault) => 1
-  on hit(preventable) => 0.3
-  on hit(moving) => 0.1
+  on touch(fault) => 1
+  on touch(preventable) => 0.3
+  on touch(moving) => 0.1
 }
 "#;
 
@@ -190,9 +190,9 @@ fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_be
     let plan = campaign(&format!(
         "import \"lib/pedestrians.scn\"
          {CROSSING}
-         campaign faults {{ vehicle: model3 adversary: plausible spawn: ahead_of_a_moving_car episode: until_passed training: ppo_paper
-         search {{ towns: [straight] policies: [blind] falsifiers: [meet, faults] budget: 150_000 runs: 1 episodes: 200 }} }}
-         falsifier faults = archive(reward: faulty)"
+         campaign faults {{ vehicle: model3 body: plausible spawn: ahead_of_a_moving_car episode: until_passed training: ppo_paper
+         search {{ towns: [straight] drivers: [blind] methods: [meet, faults] budget: 150_000 runs: 1 episodes: 200 }} }}
+         method faults = archive(reward: faulty)"
     ));
     let results = run(&plan);
     let distinct = |result: &SearchResult| {

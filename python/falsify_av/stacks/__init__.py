@@ -1,6 +1,6 @@
 """Drivers, and a pedestrian, that others wrote: adapters to packages on PyPI and to checkouts of yours.
 
-Each is a program that a scenario names, ``policy eidm = external(command: "python3 -m falsify_av.stacks sumo")``, and that
+Each is a program that a scenario names, ``driver eidm = external(command: "python3 -m falsify_av.stacks sumo")``, and that
 ``falsify check --driver sumo`` tries. :data:`STACKS` lists them; ``docs/src/how-to/stacks.md`` says what each is, what it sees, and what it was
 not made for.
 """

@@ -89,7 +89,7 @@ def hole(ego: dict[str, float], car: dict[str, float], margin: float) -> Polygon
 
 
 def main(_words: list[str]) -> None:
-    """Answer the messages on the standard input until it ends. The adversary needs ``action_frame: world``."""
+    """Answer the messages on the standard input until it ends. The body needs ``action_frame: world``."""
     walks: dict[int, Walk] = {}
     hello: dict[str, Any] = {}
     out = answers()
@@ -97,7 +97,7 @@ def main(_words: list[str]) -> None:
         message = json.loads(line)
         if message["type"] == "hello":
             if not message["protocol"].startswith("falsify-pedestrian/"):
-                raise SystemExit("JuPedSim's pedestrian is no driver: name it as a controller, `controller jupedsim = external(command: …)`")
+                raise SystemExit("JuPedSim's pedestrian is no driver: name it as a pedestrian, `pedestrian jupedsim = external(command: …)`")
             hello, answer = message, {"protocol": message["protocol"], "name": "jupedsim"}
         else:
             answer = {"actions": [act(world, walks, hello) for world in message["worlds"]]}

@@ -137,9 +137,9 @@ impl Lowering<'_> {
     ) -> Option<Ground> {
         let CampaignKeys { spawn, episode, .. } = campaign.keys();
         let spawn = self.spawn(start.spawn.unwrap_or(spawn))?;
-        let (towns, policies) = (self.towns(&places.towns), self.policies(&places.policies));
+        let (towns, policies) = (self.towns(&places.towns), self.policies(&places.drivers));
         let ground = Ground { towns, policies, spawn, roles: usual.roles.clone() };
-        self.compare_ticks(episode, block, &places.policies);
+        self.compare_ticks(episode, block, &places.drivers);
         if block.places.iter().all(|(key, _)| *key != "worlds") {
             let rule = self.program.get(episode).block.keys();
             self.worlds_fit(block, &[None], &ground, &rule);
@@ -161,7 +161,7 @@ impl Lowering<'_> {
             let policy = self.program.get(*id);
             let made_for = policy::signature(policy, self.catalog).and_then(|signature| signature.tick);
             if let Some(made_for) = made_for.filter(|made_for| *made_for != tick) {
-                let span = block.members("policies").get(place).copied().unwrap_or(block.head);
+                let span = block.members("drivers").get(place).copied().unwrap_or(block.head);
                 let given = episode.block.place("tick");
                 self.said.push(diagnostics::other_tick(span, &policy.name, made_for, tick, given));
             }
@@ -196,7 +196,7 @@ impl Lowering<'_> {
                     let Controller::Own(controller) = &role.controller else { continue };
                     if let Err(reason) = controller.walk_policy().fits(&scenario.cast.alone(number), &scenario.episode)
                     {
-                        let unfit = diagnostics::unfit_controller(span, controller.name(), &role.name, reason);
+                        let unfit = diagnostics::unfit_pedestrian(span, controller.name(), &role.name, reason);
                         self.said.push(unfit);
                     }
                 }
@@ -237,7 +237,7 @@ impl Lowering<'_> {
                         "`{}` is not the target of the test `{}`: that is a target of body `{target}`",
                         walker.name, spawn.name
                     );
-                    let help = format!("name an `adversary` with `body: {target}` or `body: {target}_box`");
+                    let help = format!("name a `body` with `body: {target}` or `body: {target}_box`");
                     self.said.push(diagnostics::contradiction(place, message).help(help));
                     return false;
                 }

@@ -41,7 +41,7 @@ pub(crate) struct Nested<'a> {
 
 /// The drivers of a block that names [`PlaceKeys`].
 pub(crate) fn of_places(block: &Block) -> Vec<DeclarationId> {
-    block.keys::<PlaceKeys>().policies
+    block.keys::<PlaceKeys>().drivers
 }
 
 /// Maximum number of jobs of a block.
@@ -55,7 +55,7 @@ impl Lowering<'_> {
         let rule = self.episode(keys.episode);
         let ids = keys.requirements.unwrap_or_default();
         let all = self.requirements(block, "requirements", &ids, &rule.value).into();
-        let (car, walker) = (self.vehicle(keys.vehicle), self.adversary(keys.adversary));
+        let (car, walker) = (self.vehicle(keys.vehicle), self.adversary(keys.body));
         let roles = Arc::new(self.roles(block, keys.cast.as_deref()));
         self.compare_signals(declaration, &roles);
         let training = keys.training.map(|id| self.training(id, roles.obs_dim(&walker.value), roles.agents()));

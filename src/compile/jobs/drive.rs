@@ -22,14 +22,14 @@ keys! {
         /// Towns to drive in.
         towns: Vec<DeclarationId> as Reference("town"),
         /// The driver that it imitates before it learns by itself; the other cars have it, too.
-        imitates: DeclarationId as Reference("policy"),
+        imitates: DeclarationId as Reference("driver"),
         /// Decisions in which it imitates; 0 for none. The more the better; a million needs 0.4 GB of memory.
         demonstrations: u32 as whole(0, 10_000_000) = "200_000",
         /// Ticks for which an action is kept while it learns by itself, so that its attempts differ; as a driver it chooses anew in every tick.
         hold: u32 as whole(1, 100) = "4",
         // The catalogue adds the words.
-        /// Who walks, in turns, as in `evaluate`: words, or `controller`s of the file, such as networks that attack it.
-        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[natural]",
+        /// Who walks, in turns, as in `evaluate`: words, or `pedestrian`s of the file, such as networks that attack it.
+        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "pedestrian") = "[natural]",
         /// Other cars in each town.
         cars: usize as whole(0, 100) = "3",
         ..reward: DriveReward,
@@ -60,7 +60,7 @@ impl Lowering<'_> {
                 format!("a driver sees one state at a time and scales it itself, so its training needs {needed}");
             return self.said.push(diagnostics::contradiction(block.head, message));
         }
-        let places = PlaceKeys { towns: keys.towns, policies: vec![keys.imitates] };
+        let places = PlaceKeys { towns: keys.towns, drivers: vec![keys.imitates] };
         let Some((ground, body)) = self.setting(at, &places, &keys.start, None, grid) else { return };
         let scripted = ground.spawn.value.scripted().is_some();
         let walkers: Option<Vec<_>> =

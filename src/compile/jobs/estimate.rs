@@ -16,9 +16,9 @@ keys! {
     /// Estimates how likely failures are in an encounter with a pedestrian that walks as people do.
     pub struct EstimateKeys = "estimate" {
         ..places: PlaceKeys,
-        /// Who walks, each by itself: pedestrians that learn nothing, such as `natural`, or a `controller` of the file. The probability is that of an encounter with
+        /// Who walks, each by itself: pedestrians that learn nothing, such as `natural`, or a `pedestrian` of the file. The probability is that of an encounter with
         /// this pedestrian, from a start that the `spawn` draws.
-        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[natural]",
+        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "pedestrian") = "[natural]",
         /// The requirement whose violations are estimated, instead of collisions.
         requirement: Option<DeclarationId> as Reference("requirement"),
         /// What the `relative_error` is about: any failure, one that a careful human would have avoided, or a fault. All three are estimated.
@@ -33,12 +33,12 @@ keys! {
         encounters_per_hour: Option<f64> as within(RATIO, 0.0, 1_000_000.0),
         /// Encounters per 1,000 km, if you know them: then failures per 1,000 km are stated.
         encounters_per_1000_km: Option<f64> as within(RATIO, 0.0, 1_000_000_000.0),
-        /// The pedestrian, instead of the campaign's `adversary`.
-        adversary: Option<DeclarationId> as Reference("adversary"),
+        /// Body, instead of the campaign's.
+        body: Option<DeclarationId> as Reference("body"),
         ..start: StartKeys,
     }
     .explained("towns", "Towns in which they meet.")
-    .explained("policies", "Drivers whose failures are estimated.")
+    .explained("drivers", "Drivers whose failures are estimated.")
 }
 
 pub(super) const BLOCK: JobBlock =
@@ -111,7 +111,7 @@ impl Planned for Estimation {
 impl Lowering<'_> {
     fn estimate(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let keys: EstimateKeys = at.block.keys();
-        let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.adversary, grid) else { return };
+        let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.body, grid) else { return };
         let walkers: Option<Vec<_>> =
             keys.pedestrians.iter().map(|word| self.untrained(at.block, "pedestrians", word, true)).collect();
         let Some(walkers) = walkers else { return };

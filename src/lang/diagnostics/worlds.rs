@@ -27,13 +27,13 @@ pub fn trained_without_training(span: Span) -> Diagnostic {
 /// One policy is to move each of several trained pedestrians, which see or choose other numbers.
 pub fn unshared_policy(span: Span) -> Diagnostic {
     let message = "`shared` of the training needs pedestrians that see and choose the same";
-    contradiction(span, message.into()).help("give the trained roles of the cast one `adversary`, or omit `shared`")
+    contradiction(span, message.into()).help("give the trained roles of the cast one `body`, or omit `shared`")
 }
 
 /// A search is to learn what each pedestrian adds.
 pub fn removal_search(span: Span) -> Diagnostic {
     let message = "`shared: removal` runs episodes again, in ticks that the budget of a search does not have";
-    contradiction(span, message.into()).help("give the `falsifier` a `training` with `shared: team` or `shared: own`")
+    contradiction(span, message.into()).help("give the `method` a `training` with `shared: team` or `shared: own`")
 }
 
 /// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.
@@ -149,7 +149,7 @@ pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic 
         format!("no pedestrian can meet the car in `{town}` before the episode ends"),
     )
     .here(format!("the episode lasts {} s, and the pedestrian walks at most {speed:.1} m/s", short(time)))
-    .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `adversary`")
+    .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `body`")
 }
 
 /// A bend asks a car at the speed limit for more lateral acceleration than drivers allow: radius of the lane (m), both accelerations (m/s²).
@@ -194,10 +194,10 @@ pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
 }
 
 /// A controller cannot walk as this adversary.
-pub fn unfit_controller(span: Span, controller: &str, adversary: &str, reason: &str) -> Diagnostic {
-    let message = format!("`{controller}` cannot walk as the `adversary` `{adversary}`: {reason}");
-    Diagnostic::error("unfit-controller", span, message)
-        .help("give the campaign, or `adversaries` of this block, the `adversary` of its training")
+pub fn unfit_pedestrian(span: Span, controller: &str, adversary: &str, reason: &str) -> Diagnostic {
+    let message = format!("`{controller}` cannot walk as the `body` `{adversary}`: {reason}");
+    Diagnostic::error("unfit-pedestrian", span, message)
+        .help("give the campaign, or `bodies` of this block, the `body` of its training")
 }
 
 /// Something is farther (m) from every street than any actor.

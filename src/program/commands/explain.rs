@@ -11,7 +11,7 @@ pub const EXAMPLES: &str = "\
 Examples:
   falsify explain                            list everything
   falsify explain missing-unit               a diagnostic, with a bad and a good example
-  falsify explain policy idm                 the keys of a kind, with types, units and defaults
+  falsify explain driver idm                 the keys of a kind, with types, units and defaults
   falsify explain training ppo gamma         one key
   falsify explain matrix                     a word of the language, with an example
   falsify explain fault                      a word of results, a column or a metric

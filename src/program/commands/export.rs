@@ -22,7 +22,7 @@ pub const EXAMPLES: &str = "\
 Examples:
   falsify export 1a2b3c4d:17 --as xosc-1.3   1a2b3c4d-17.xosc and its map, both actors on their tracks
   falsify export 1a2b3c4d:17 --as xosc-1.3 --ego user --pedestrians released
-                                             drive against the pedestrian with your own controller
+                                             drive against the pedestrian with your own driver
   falsify export 1a2b3c4d:17 5e6f7a8b:0 --as xodr --out maps
                                              several episodes, into a folder
   falsify failures reports/first_look --names --top 5 | falsify export - --as osi
@@ -52,7 +52,7 @@ pub struct ExportArgs {
     /// The driver of the ego. `commonroad` has `user` unless you say otherwise, all others have `recorded`.
     #[arg(long, value_parser = choice([
         ("recorded", EgoDriver::Recorded, "The ego follows its recorded track"),
-        ("user", EgoDriver::User, "The ego starts as recorded, and your controller drives it"),
+        ("user", EgoDriver::User, "The ego starts as recorded, and your driver drives it"),
     ]))]
     pub ego: Option<EgoDriver>,
     /// When the pedestrians walk. Both are the same for a pedestrian that walks from the first tick on; the file says so.

@@ -58,8 +58,8 @@ import \"std/paper.scn\"
 import \"std/drivers.scn\"
 import \"std/towns.scn\"
 campaign recording {
-  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random]  episodes: 1 }
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [random]  episodes: 1 }
 }
 ";
 /// Its name among the files of a session.

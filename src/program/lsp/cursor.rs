@@ -369,7 +369,7 @@ fn bracket<'a>(frame: &Frame<'a>, token: Token<'a>, catalog: &'a Catalog) -> Fra
         let signature = behind(4).zip(behind(1)).and_then(|(form, word)| kind(form, word, catalog));
         return Frame { signature, keys: true, ..Frame::default() };
     }
-    // A kind in place of a name: `falsifiers: [archive(`.
+    // A kind in place of a name: `methods: [archive(`.
     let inline = || kind(referred(&frame.param?.ty)?, behind(1)?, catalog);
     if token.text == "("
         && let Some(signature) = inline()

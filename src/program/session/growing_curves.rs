@@ -119,7 +119,7 @@ impl NewestUpdate {
         let number = |column: &str| last[place(column)?].parse().ok();
         let key = TrainingKey {
             town: text("train_town")?,
-            policy: text("train_policy")?,
+            policy: text("train_driver")?,
             reward: text("reward")?,
             run: last[place("run")?].parse().ok()?,
         };

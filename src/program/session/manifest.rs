@@ -113,7 +113,7 @@ fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> Trai
     let fingerprint = campaign.jobs[place].origin().fingerprint.to_string();
     TrainingRecord {
         town: key.town.clone(),
-        policy: key.policy.clone(),
+        driver: key.policy.clone(),
         reward: key.reward.clone(),
         run: key.run,
         decisions: training.decisions,

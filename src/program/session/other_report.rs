@@ -105,7 +105,7 @@ fn differences(then: &Manifest, campaign: &Campaign, options: &RunOptions, files
     let named = |training: &TrainingRecord| {
         format!(
             "training of {} in {} against {}, run {}",
-            training.reward, training.town, training.policy, training.run
+            training.reward, training.town, training.driver, training.run
         )
     };
     let lost: Vec<String> = lost_runs.map(|run| run.what.clone()).chain(lost_trainings.map(named)).collect();

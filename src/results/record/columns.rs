@@ -15,21 +15,21 @@ pub const REWARD: Column<String> = Column::new(
 );
 pub const TRAIN_TOWN: Column<String> =
     Column::new("train_town", "", "town of the training; empty for untrained pedestrians");
-pub const TRAIN_POLICY: Column<String> =
-    Column::new("train_policy", "", "driver of the training; empty for untrained pedestrians");
+pub const TRAIN_DRIVER: Column<String> =
+    Column::new("train_driver", "", "driver of the training; empty for untrained pedestrians");
 pub const RUN: Column<u32> =
     Column::new("run", "", "number of the run, from 0; of a trained pedestrian that of its training");
-pub const CONTROLLER: Column<String> = Column::new(
-    "controller",
+pub const PEDESTRIAN: Column<String> = Column::new(
+    "pedestrian",
     "",
     "the pedestrian, by what moves it; `trained` (the mean of its policy), `stochastic` (draws from its policy, as in training), `untrained` \
      (the mean of the policy with which its training begins), `random` (each command uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
      velocity)",
 );
 pub const TOWN: Column<String> = Column::new("town", "", "town of the episodes");
-pub const POLICY: Column<String> = Column::new("policy", "", "the driver");
+pub const DRIVER: Column<String> = Column::new("driver", "", "the driver");
 pub const VEHICLE: Column<String> = Column::new("vehicle", "", "model of the car");
-pub const ADVERSARY: Column<String> = Column::new("adversary", "", "body of the pedestrian");
+pub const BODY: Column<String> = Column::new("body", "", "body of the pedestrian");
 pub const WORLD: Column<String> = Column::new(
     "world",
     "",

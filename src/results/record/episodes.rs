@@ -1,11 +1,11 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, AVOIDABLE_INJURY, AVOIDS, BLOCK, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y,
-    EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT,
-    IMPACT_SPEED, IN_SIGHT, LATEST_REACTION, LEFT_LANE, LEFT_OUT, LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME,
-    PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID,
-    START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WALKED_INTO, WORLD,
+    AVOIDABLE_INJURY, AVOIDS, BLOCK, BODY, COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
+    EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT, IMPACT_SPEED,
+    IN_SIGHT, LATEST_REACTION, LEFT_LANE, LEFT_OUT, LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN,
+    PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, START,
+    STATE_HASHES, TICKS, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, VERDICT, WALKED_INTO, WORLD,
 };
 use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference};
 use world::env::{Ending, Impact, LeftOut, Outcome};
@@ -19,12 +19,12 @@ pub fn cell_key<'t, R>(key: impl Fn(&R) -> &CellKey + Copy + 't) -> [Entry<'t, R
     [
         REWARD.of(move |row| key(row).reward.clone()),
         TRAIN_TOWN.of(move |row| key(row).train_town.clone()),
-        TRAIN_POLICY.of(move |row| key(row).train_policy.clone()),
-        CONTROLLER.of(move |row| key(row).controller.clone()),
+        TRAIN_DRIVER.of(move |row| key(row).train_policy.clone()),
+        PEDESTRIAN.of(move |row| key(row).controller.clone()),
         TOWN.of(move |row| key(row).town.clone()),
-        POLICY.of(move |row| key(row).policy.clone()),
+        DRIVER.of(move |row| key(row).policy.clone()),
         VEHICLE.of(move |row| key(row).vehicle.clone()),
-        ADVERSARY.of(move |row| key(row).adversary.clone()),
+        BODY.of(move |row| key(row).adversary.clone()),
         WORLD.of(move |row| key(row).world.clone()),
         BLOCK.of(move |row| key(row).block),
     ]
@@ -51,8 +51,8 @@ pub fn episode_table() -> Table<'static, EpisodeRow> {
 /// The columns of the files of episodes. The table has more, which `failures` shows and `metrics` sums up.
 pub fn episode_references() -> TableReference {
     let doc = "One row for each episode. Episodes with equal numbers in one town have equal starts for all pedestrians and drivers (equal `start`), so rows can be paired. \
-               `failures` has more of those in which something failed, the manifest block, vehicle and adversary of `run_id`.";
-    let of_manifest = [BLOCK.name, VEHICLE.name, ADVERSARY.name];
+               `failures` has more of those in which something failed, the manifest block, vehicle and body of `run_id`.";
+    let of_manifest = [BLOCK.name, VEHICLE.name, BODY.name];
     let mut table =
         Table::new(EPISODES, doc).columns(run_key(|row: &EpisodeRow| &*row.key)).columns(shown()).reference();
     table.columns.retain(|column| !of_manifest.contains(&&*column.name));

@@ -3,10 +3,10 @@
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
 use super::columns::{
-    ADVERSARY, AVOIDS, BLOCK, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    AVOIDS, BLOCK, BODY, COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT, IMPACT_SPEED, IN_SIGHT,
-    LATEST_REACTION, LEFT_OUT, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, POLICY, REWARD, RUN,
-    RUN_ID, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
+    LATEST_REACTION, LEFT_OUT, ON_CROSSWALK, OUTCOME, PEDESTRIAN, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, REWARD,
+    RUN, RUN_ID, STATE_HASHES, TICKS, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
 };
 use super::episodes::named;
 use super::{CellKey, Family, RunKey};
@@ -26,14 +26,14 @@ impl CellKey {
         Ok(Self {
             block: BLOCK.value(table, row).ok().flatten().unwrap_or_default(),
             town: text(&TOWN)?,
-            policy: text(&POLICY)?,
+            policy: text(&DRIVER)?,
             vehicle: of_manifest(&VEHICLE),
-            adversary: of_manifest(&ADVERSARY),
+            adversary: of_manifest(&BODY),
             world: text(&WORLD)?,
-            controller: text(&CONTROLLER)?,
+            controller: text(&PEDESTRIAN)?,
             reward: text(&REWARD)?,
             train_town: text(&TRAIN_TOWN)?,
-            train_policy: text(&TRAIN_POLICY)?,
+            train_policy: text(&TRAIN_DRIVER)?,
         })
     }
 }

@@ -25,7 +25,7 @@ pub enum Caution {
     },
     /// A search had no episode.
     EmptySearch {
-        /// Its falsifier, town and driver.
+        /// Its method, town and driver.
         search: String,
         /// Simulator ticks that each run might use.
         budget: u64,

@@ -8,8 +8,8 @@ use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 use super::aggregate::{INSTANT, PART, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT};
 use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{
-    CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
-    LATEST_REACTION, NUMBER, ON_CROSSWALK, POLICY, REWARD, RUN_ID, STATE_HASHES, TOWN, TRAIN_POLICY, TRAIN_TOWN,
+    COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
+    LATEST_REACTION, NUMBER, ON_CROSSWALK, PEDESTRIAN, REWARD, RUN_ID, STATE_HASHES, TOWN, TRAIN_DRIVER, TRAIN_TOWN,
     VERDICT, WORLD,
 };
 use crate::record::{Column, Entry, RunKey, Signed, Table};
@@ -51,7 +51,7 @@ pub fn failure_table() -> Table<'static, Failure> {
         .column(RUN_ID.of(|row: &Failure| row.key.id.to_string()))
         .column(NUMBER.of(|row: &Failure| row.number))
         .column(TOWN.of(|row: &Failure| row.key.cell.town.clone()))
-        .column(POLICY.of(|row: &Failure| row.key.cell.policy.clone()))
+        .column(DRIVER.of(|row: &Failure| row.key.cell.policy.clone()))
         .column(WORLD.of(|row: &Failure| row.key.cell.simulator().to_owned()))
         .columns(what_happened(|row| row))
         .column(START.of(|row: &Failure| row.start))
@@ -211,11 +211,11 @@ pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
         .column(RUN_ID.of(|row: &Listed| row.failure.key.id.to_string()))
         .column(NUMBER.of(|row: &Listed| row.failure.number))
         .text("found_by", "`evaluation` or `search`", |row| row.failure.found_by.name())
-        .column(POLICY.of(|row: &Listed| row.failure.key.cell.policy.clone()))
-        .column(CONTROLLER.of(|row: &Listed| row.failure.key.cell.controller.clone()))
+        .column(DRIVER.of(|row: &Listed| row.failure.key.cell.policy.clone()))
+        .column(PEDESTRIAN.of(|row: &Listed| row.failure.key.cell.controller.clone()))
         .column(REWARD.of(|row: &Listed| row.failure.key.cell.reward.clone()))
         .column(TRAIN_TOWN.of(|row: &Listed| row.failure.key.cell.train_town.clone()))
-        .column(TRAIN_POLICY.of(|row: &Listed| row.failure.key.cell.train_policy.clone()))
+        .column(TRAIN_DRIVER.of(|row: &Listed| row.failure.key.cell.train_policy.clone()))
         .column(TOWN.of(|row: &Listed| row.failure.key.cell.town.clone()))
         .column(WORLD.of(|row: &Listed| row.failure.key.cell.simulator().to_owned()))
         .columns(what_happened(|row: &Listed| &row.failure))

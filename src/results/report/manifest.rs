@@ -105,7 +105,7 @@ pub struct RunRecord {
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub vehicle: String,
     #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub adversary: String,
+    pub body: String,
 }
 
 /// A program of the user that drives or walks.
@@ -161,7 +161,7 @@ pub struct FileRecord {
 pub struct TrainingRecord {
     pub town: String,
     /// Name of the driver.
-    pub policy: String,
+    pub driver: String,
     pub reward: String,
     pub run: u32,
     /// Decisions that were taken, demonstrations and those of all candidates included.
@@ -188,7 +188,7 @@ impl RunRecord {
             true => work.what(),
             false => format!("{} {}", work.kind().verb, work.what()),
         };
-        let CellKey { vehicle, adversary, .. } = job.of().map(CellKey::of).unwrap_or_default();
+        let CellKey { vehicle, adversary: body, .. } = job.of().map(CellKey::of).unwrap_or_default();
         Some(Self {
             id: planned.origin().id.to_string(),
             what,
@@ -196,7 +196,7 @@ impl RunRecord {
             fingerprint: planned.origin().fingerprint.to_string(),
             block: planned.origin().block,
             vehicle,
-            adversary,
+            body,
         })
     }
 }

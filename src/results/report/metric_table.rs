@@ -19,7 +19,7 @@ pub const TRAININGS_DISAGREE: Column<f64> = Column::new(
     "trainings_disagree",
     "",
     "1 where the trainings of the cell differ by far more than their episodes explain and by more than half of what they gained, else 0; missing for \
-     untrained controllers and for a single training",
+     untrained pedestrians and for a single training",
 );
 
 /// A metric of a cell.

@@ -152,10 +152,10 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         "One row for each cell of each report of a call: a pedestrian or a search in a town against a driver.",
     )
     .text("report", "folder of the report", |row| row.variant.report.clone())
-    .text("policy", "name of the driver", |row| row.driver().to_string())
+    .text("driver", "name of the driver", |row| row.driver().to_string())
     .text("town", "name of the town", |row| row.town().to_string())
     .column(WORLD.of(|row: &Row<'a>| row.world().to_string()))
-    .text("controller", "the pedestrian; empty for a search", move |row| {
+    .text("pedestrian", "the pedestrian; empty for a search", move |row| {
         cell(row).map_or(String::new(), |cell| cell.key.controller.clone())
     })
     .text("reward", "its reward; empty for a search", move |row| {
@@ -165,7 +165,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         let key = cell(row).map(|cell| &cell.key).filter(|key| key.is_trained());
         key.map_or(String::new(), |key| format!("{}, {}", key.train_town, key.train_policy))
     })
-    .text("falsifier", "the search; empty for a pedestrian", move |row| {
+    .text("method", "the search; empty for a pedestrian", move |row| {
         searched(row).map_or(String::new(), |cell| cell.key.falsifier.clone())
     })
     .column(Column::<u64>::new("runs", "", "number of its runs").of(|row: &Row<'a>| match row.found {

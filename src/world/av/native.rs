@@ -9,7 +9,7 @@ keys! {
     /// its defaults.
     pub struct NativeKeys = "native" {
         /// Its name there, such as `IDMPolicy`.
-        driver: String,
+        name: String,
     }
 }
 
@@ -21,7 +21,7 @@ pub struct Native {
 
 impl Native {
     pub fn new(keys: NativeKeys) -> Self {
-        Self { name: keys.driver, run_up: Cruise::new(CruiseKeys::default()) }
+        Self { name: keys.name, run_up: Cruise::new(CruiseKeys::default()) }
     }
 }
 

@@ -14,7 +14,7 @@ choice! {
         /// The world's `+x`.
         World = "world",
         /// The direction in which the pedestrian would meet the middle of the ego's bumper at the speed that it chooses, if the ego kept its
-        /// velocity. Only actions have it: what a controller chooses is a correction of an intercepting pedestrian.
+        /// velocity. Only actions have it: what a trained pedestrian chooses is a correction of an intercepting pedestrian.
         Meeting = "meeting",
     }
 }

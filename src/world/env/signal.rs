@@ -182,14 +182,14 @@ pub fn vocabulary() -> Vocabulary {
         signals: super::actor_signal::signals(),
         events: vec![
             Event {
-                name: "hit",
+                name: "touch",
                 words: HitClass::WORDS,
                 declared: None,
                 variables: until(Since::Judgement),
                 answered: true,
                 doc: "The pedestrian and the ego touch. One clause counts, the first of these that is written and true: `fault` \
                       (preventable, and the pedestrian moved as real ones do), `preventable` (a careful driver would have avoided it), \
-                      `moving` (the ego moved), `front` within the front sector, `other` elsewhere, `hit` without a word.",
+                      `moving` (the ego moved), `front` within the front sector, `other` elsewhere, `touch` without a word.",
             },
             moving("step", "A decision has been carried out without a touch."),
             moving("lost", "The episode ends because its `end_when` condition holds."),
@@ -365,7 +365,7 @@ mod tests {
         let events = vocabulary().events;
         let of = |name: &str| events.iter().find(|event| event.name == name).unwrap().variables.clone();
         assert_eq!(of("begin"), ["bearing", "distance", "ahead", "aside", "ego_speed", "facing"]);
-        assert_eq!((of("tick").len(), of("step").len(), of("hit").len()), (28, 32, 38));
+        assert_eq!((of("tick").len(), of("step").len(), of("touch").len()), (28, 32, 38));
         assert!(of("step").contains(&"min_ttc") && !of("step").contains(&"v_c") && !of("step").contains(&"seen"));
         assert!(of("tick").contains(&"gap") && !of("tick").contains(&"ego_deceleration"));
     }

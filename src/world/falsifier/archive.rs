@@ -33,7 +33,7 @@ use learn::standard_normal;
 keys! {
     /// A quality-diversity search: keeps the best episode of each kind of failure, and varies it at new starts.
     pub struct Archive = "archive" {
-        /// What an episode is to earn; `on hit(fault)` makes it look for faults of the driver.
+        /// What an episode is to earn; `on touch(fault)` makes it look for faults of the driver.
         reward: DeclarationId as Reference("reward"),
         /// Share of the starts at which the walk is drawn uniformly.
         explore: f64 as share() = "0.1",
@@ -46,8 +46,8 @@ keys! {
         again: f64 as share() = "0.3",
         /// Share of the budget that compares what was found with `intercept` and `homing`, and with that of `from`, to choose the pedestrian.
         choice: f64 as within(RATIO, 0.0, 0.5) = "0.1",
-        /// A controller that walks first from every start, such as `hunter` of std/pedestrians.scn.
-        from: Option<DeclarationId> as Reference("controller"),
+        /// A pedestrian that walks first from every start, such as `hunter` of std/pedestrians.scn.
+        from: Option<DeclarationId> as Reference("pedestrian"),
     }
 }
 

@@ -7,10 +7,10 @@ use base::seed::Seed;
 use base::signature::DeclarationId;
 
 keys! {
-    /// Walks as a `controller` does, such as a program of your own: one episode from every start.
+    /// Walks as a `pedestrian` does, such as a program of your own: one episode from every start.
     pub struct ControlledKeys = "controlled" {
-        /// The controller.
-        controller: DeclarationId as Reference("controller"),
+        /// The pedestrian.
+        pedestrian: DeclarationId as Reference("pedestrian"),
     }
 }
 

@@ -26,8 +26,8 @@ keys! {
     pub struct CoverKeys = "cover" {
         ..places: PlaceKeys,
         // The catalogue adds the words.
-        /// Who walks, as in `evaluate`: a word, or a `controller` of the file. The target of a test walks as the point of the box says.
-        pedestrian: Value as WordOrReference(Vec::new(), "controller") = "natural",
+        /// Who walks, as in `evaluate`: a word, or a `pedestrian` of the file. The target of a test walks as the point of the box says.
+        pedestrian: Value as WordOrReference(Vec::new(), "pedestrian") = "natural",
         /// What counts: a `fault`, any `collision`, or the violation of a requirement.
         failure: Value as WordOrReference(vec![FAULT, COLLISION], "requirement") = "fault",
         /// The share of the box that is small enough: it ends when the bound is not above it.
@@ -36,12 +36,12 @@ keys! {
         budget: u32 as whole(20, 10_000_000) = "20_000",
         /// One or two parameters in which the page draws pass and fail, instead of the first two of the box.
         picture: Option<Vec<StartParameter>>,
-        /// The pedestrian, instead of the campaign's `adversary`.
-        adversary: Option<DeclarationId> as Reference("adversary"),
+        /// Body, instead of the campaign's.
+        body: Option<DeclarationId> as Reference("body"),
         ..start: StartKeys,
     }
     .explained("towns", "Towns to cover.")
-    .explained("policies", "Drivers to cover.")
+    .explained("drivers", "Drivers to cover.")
 }
 
 pub(crate) const BLOCK: JobBlock =
@@ -59,7 +59,7 @@ struct Counted {
 impl Lowering<'_> {
     fn cover(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let keys: CoverKeys = at.block.keys();
-        let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.adversary, grid) else { return };
+        let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.body, grid) else { return };
         if !ground.roles.is_empty() {
             let message =
                 "a cover goes through the starts of one car and one pedestrian, and the campaign has a `cast`"

@@ -24,18 +24,18 @@ keys! {
         /// Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it as in
         /// training (`stochastic`), the same network before its training (`untrained`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it
         /// would meet the ego (`intercept`), one that crosses as recorded pedestrians do (`natural`), the target of a test
-        /// (`scripted`), or a `controller` of the file. Only the first three need a `train` block.
-        pedestrians: Vec<Value> as WordOrReference(vec![TRAINED, STOCHASTIC, UNTRAINED], "controller") = "[trained, random]",
+        /// (`scripted`), or a `pedestrian` of the file. Only the first three need a `train` block.
+        pedestrians: Vec<Value> as WordOrReference(vec![TRAINED, STOCHASTIC, UNTRAINED], "pedestrian") = "[trained, random]",
         /// Models of car to try them against, instead of the campaign's `vehicle`.
         vehicles: Option<Vec<DeclarationId>> as Reference("vehicle"),
-        /// Bodies and readings to try them with, instead of the campaign's `adversary`.
-        adversaries: Option<Vec<DeclarationId>> as Reference("adversary"),
+        /// Bodies, instead of the campaign's.
+        bodies: Option<Vec<DeclarationId>> as Reference("body"),
         /// Simulators in which these episodes happen: ours (`here`), or a `world` of the file. All have the same starts and the same pedestrians.
         worlds: Vec<Value> as WordOrReference(vec![HERE], "world") = "[here]",
         ..start: StartKeys,
     }
     .explained("towns", "Towns to try them in.")
-    .explained("policies", "Drivers to try them against.")
+    .explained("drivers", "Drivers to try them against.")
 }
 
 /// The word of the targets of tests.
@@ -49,7 +49,7 @@ pub(crate) const BLOCK: JobBlock =
 impl Lowering<'_> {
     fn evaluate(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let block = at.block;
-        let EvaluateKeys { places, episodes, pedestrians, vehicles, adversaries, worlds, start } = block.keys();
+        let EvaluateKeys { places, episodes, pedestrians, vehicles, bodies: adversaries, worlds, start } = block.keys();
         let cars = vehicles.map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
         let walkers = adversaries.map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
         let cars: Vec<_> = cars.unwrap_or_else(|| vec![grid.usual.car.clone()]);
@@ -114,7 +114,7 @@ impl Lowering<'_> {
                 let (scenario, _) = scenarios.values().next().expect("there is a scenario");
                 if let Err(reason) = controller.walk_policy().fits(&scenario.cast, &scenario.episode) {
                     let place = block.place("pedestrians");
-                    self.said.push(diagnostics::unfit_controller(place, controller.name(), &walker.name, reason));
+                    self.said.push(diagnostics::unfit_pedestrian(place, controller.name(), &walker.name, reason));
                 }
             }
             let of = |controller: &ControllerKind, trained: &TrainingKey| {
@@ -134,7 +134,7 @@ impl Lowering<'_> {
                     && training.is_some_and(|training| state(&training.scenario) != state(&of(controller, trained).0))
                 {
                     let (place, reason) = (block.place("pedestrians"), "its training saw states of another size");
-                    self.said.push(diagnostics::unfit_controller(place, controller.name(), &walker.name, reason));
+                    self.said.push(diagnostics::unfit_pedestrian(place, controller.name(), &walker.name, reason));
                     return;
                 }
             }

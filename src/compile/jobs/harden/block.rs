@@ -30,15 +30,15 @@ keys! {
         /// Towns of the rounds.
         towns: Vec<DeclarationId> as Reference("town"),
         /// The driver.
-        policy: DeclarationId as Reference("policy"),
+        driver: DeclarationId as Reference("driver"),
         /// The same kind with one end of the range of each key that may be varied, such as `idm(time_headway: 1 s)`. Of an `external` driver the
         /// numbers at the ends of the words of its `command` may differ.
-        from: DeclarationId as Reference("policy"),
+        from: DeclarationId as Reference("driver"),
         /// The same kind with the other ends.
-        to: DeclarationId as Reference("policy"),
+        to: DeclarationId as Reference("driver"),
         /// Who attacks.
-        falsifiers: Vec<DeclarationId> as Reference("falsifier"),
-        /// Simulator ticks of each attack: of each falsifier in each town, in each round.
+        methods: Vec<DeclarationId> as Reference("method"),
+        /// Simulator ticks of each attack: of each method in each town, in each round.
         budget: u64 as ticks(1, 1_000_000_000_000) = "200_000",
         /// Rounds of attack and repair.
         rounds: u32 as whole(1, 100) = "3",
@@ -52,23 +52,23 @@ keys! {
         /// Towns of the test, in which nothing is repaired.
         test_towns: Vec<DeclarationId> as Reference("town"),
         // The catalogue adds the words.
-        /// Who walks in the test, as in `evaluate`: words, or a `controller` of the file.
-        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[intercept]",
+        /// Who walks in the test, as in `evaluate`: words, or a `pedestrian` of the file.
+        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "pedestrian") = "[intercept]",
         /// Who searches in the test, with the same `budget` before and after.
-        rivals: Option<Vec<DeclarationId>> as Reference("falsifier"),
+        rivals: Option<Vec<DeclarationId>> as Reference("method"),
         /// Episodes of the test for each town and pedestrian, and natural ones for each town.
         episodes: u32 as whole(1, 1_000_000) = "500",
         /// Repairs of it, with different seeds.
         runs: u32 as whole(1, 10_000) = "3",
-        /// The pedestrian, instead of the campaign's `adversary`.
-        adversary: Option<DeclarationId> as Reference("adversary"),
+        /// Body, instead of the campaign's.
+        body: Option<DeclarationId> as Reference("body"),
         ..start: StartKeys,
     }
 }
 
 pub(crate) const BLOCK: JobBlock = JobBlock {
     signature: HardenKeys::signature,
-    drivers: |block| vec![block.keys::<HardenKeys>().policy],
+    drivers: |block| vec![block.keys::<HardenKeys>().driver],
     lower: |it, at, grid| it.harden(at, grid),
 };
 
@@ -79,11 +79,11 @@ impl Lowering<'_> {
     fn harden(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let keys: HardenKeys = at.block.keys();
         let block = at.block;
-        let of = |towns: &[DeclarationId]| PlaceKeys { towns: towns.to_vec(), policies: vec![keys.policy] };
-        let Some((ground, body)) = self.setting(at, &of(&keys.towns), &keys.start, keys.adversary, grid) else {
+        let of = |towns: &[DeclarationId]| PlaceKeys { towns: towns.to_vec(), drivers: vec![keys.driver] };
+        let Some((ground, body)) = self.setting(at, &of(&keys.towns), &keys.start, keys.body, grid) else {
             return;
         };
-        let Some((tests, _)) = self.setting(at, &of(&keys.test_towns), &keys.start, keys.adversary, grid) else {
+        let Some((tests, _)) = self.setting(at, &of(&keys.test_towns), &keys.start, keys.body, grid) else {
             return;
         };
         if ground.spawn.value.scripted().is_some() {
@@ -97,7 +97,7 @@ impl Lowering<'_> {
                 "the driver is repaired in this town, so a test in it shows less than it seems to".to_string();
             self.said.push(diagnostics::contradiction(span, message).help("name a town that is not among `towns`"));
         }
-        let attacks = self.falsifiers(at, &keys.falsifiers, &body, &grid.usual);
+        let attacks = self.falsifiers(at, &keys.methods, &body, &grid.usual);
         let rivals = self.falsifiers(at, keys.rivals.as_deref().unwrap_or_default(), &body, &grid.usual);
         let walkers: Option<Vec<_>> =
             keys.pedestrians.iter().map(|word| self.untrained(block, "pedestrians", word, false)).collect();
@@ -149,7 +149,7 @@ impl Lowering<'_> {
     /// The driver with the keys that `from` and `to` state; none after reporting what is wrong.
     fn tunable(&mut self, block: &Block, keys: &HardenKeys) -> Option<(Tunable, WrittenPolicy)> {
         let program = self.program;
-        let [policy, from, to] = [keys.policy, keys.from, keys.to].map(|id| program.get(id));
+        let [policy, from, to] = [keys.driver, keys.from, keys.to].map(|id| program.get(id));
         let mut wrong = |key: &str, message: String, help: &str| {
             self.said.push(diagnostics::contradiction(block.place(key), message).help(help));
         };
@@ -182,7 +182,7 @@ impl Lowering<'_> {
                 [Value::List(before), Value::List(one), Value::List(other)] if key == PARAMETERS => {
                     let Some(parameters) = parameters([before, one, other]) else {
                         let message =
-                            "`policy`, `from` and `to` must have parameters of the same names in the same order".into();
+                            "`driver`, `from` and `to` must have parameters of the same names in the same order".into();
                         wrong("from", message, "write `parameters: [\"gap=1\"]` and `parameters: [\"gap=3\"]`");
                         return None;
                     };

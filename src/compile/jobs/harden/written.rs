@@ -59,7 +59,7 @@ impl WrittenPolicy {
             }
         }
         let keys: Vec<String> = keys.iter().map(|(key, value)| format!("{key}: {value}")).collect();
-        format!("policy {}_hardened = {}({})", self.name, self.kind, keys.join(", "))
+        format!("driver {}_hardened = {}({})", self.name, self.kind, keys.join(", "))
     }
 }
 
@@ -95,7 +95,7 @@ mod tests {
         };
         assert_eq!(
             written.line(&[2.5, 0.1]),
-            "policy mine_hardened = external(command: \"python my_av.py\", parameters: [\"gap=2.5\", \"width=2\"], \
+            "driver mine_hardened = external(command: \"python my_av.py\", parameters: [\"gap=2.5\", \"width=2\"], \
              sensors: poor, actuation_delay: 0.1 s)"
         );
     }

@@ -20,7 +20,7 @@ keys! {
     pub struct SearchKeys = "search" {
         ..places: PlaceKeys,
         /// Who searches.
-        falsifiers: Vec<DeclarationId> as Reference("falsifier"),
+        methods: Vec<DeclarationId> as Reference("method"),
         /// Simulator ticks that each may use.
         budget: u64 as ticks(1, 1_000_000_000_000) = "1_000_000",
         /// The requirement that the searches try to violate, instead of a collision. It takes the place of their rewards: an episode earns more the
@@ -30,12 +30,12 @@ keys! {
         runs: u32 as whole(1, 10_000) = "10",
         /// Episodes in which the pedestrian that a search returns is evaluated afterwards, outside the budget.
         episodes: u32 as whole(0, 1_000_000) = "200",
-        /// The pedestrian, instead of the campaign's `adversary`.
-        adversary: Option<DeclarationId> as Reference("adversary"),
+        /// Body, instead of the campaign's.
+        body: Option<DeclarationId> as Reference("body"),
         ..start: StartKeys,
     }
     .explained("towns", "Towns to search in.")
-    .explained("policies", "Drivers to find failures of.")
+    .explained("drivers", "Drivers to find failures of.")
 }
 
 pub(crate) const BLOCK: JobBlock =
@@ -66,8 +66,8 @@ struct SearchGoal {
 impl Lowering<'_> {
     fn search(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let keys: SearchKeys = at.block.keys();
-        let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.adversary, grid) else { return };
-        let falsifiers = self.falsifiers(at, &keys.falsifiers, &body, &grid.usual);
+        let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.body, grid) else { return };
+        let falsifiers = self.falsifiers(at, &keys.methods, &body, &grid.usual);
         if !self.takes(at, &ground, [falsifiers.len(), keys.runs as usize], grid) {
             return;
         }
@@ -151,7 +151,7 @@ impl Lowering<'_> {
             } else if learns && shared == Some(Credit::Removal) {
                 self.said.push(diagnostics::removal_search(declaration.block.head));
             }
-            let controller = falsifier::named(arguments, "controller").or_else(|| falsifier::named(arguments, "from"));
+            let controller = falsifier::named(arguments, "pedestrian").or_else(|| falsifier::named(arguments, "from"));
             let named = falsifier::Named {
                 training: training.as_ref().map(|training| training.value.clone()),
                 controller: controller.and_then(|id| self.controller(id)),

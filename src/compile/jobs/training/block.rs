@@ -18,7 +18,7 @@ choice! {
     /// What a pedestrian is trained for at once.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Together {
-        Policies = "policies",
+        Drivers = "drivers",
         Towns = "towns",
         All = "all",
     }
@@ -35,13 +35,13 @@ keys! {
         /// Trainings of each run, with different seeds. The one whose pedestrian earns most on 1,000 starts that are neither trained nor evaluated on
         /// is kept.
         candidates: u32 as whole(1, 1000) = "1",
-        /// Trains one pedestrian against all `policies`, in all `towns`, or both, whose episodes alternate; without it each
+        /// Trains one pedestrian against all `drivers`, in all `towns`, or both, whose episodes alternate; without it each
         /// pair of town and driver has a pedestrian of its own.
         together: Option<Together>,
         ..start: StartKeys,
     }
     .explained("towns", "Towns to train in.")
-    .explained("policies", "Drivers to train against.")
+    .explained("drivers", "Drivers to train against.")
 }
 
 pub(crate) const BLOCK: JobBlock =
@@ -113,7 +113,7 @@ impl Lowering<'_> {
         }
         let Some(step) = clauses().find(|clause| clause.event == "step") else { return };
         let waiting = bounds(&step.formula).0 * f64::from(rule.ticks / rule.hold.max(1));
-        let is_goal = |clause: &&Clause| clause.event == "hit" || clause.subject.is_some();
+        let is_goal = |clause: &&Clause| clause.event == "touch" || clause.subject.is_some();
         let hits = clauses().filter(is_goal).map(|clause| bounds(&clause.formula).1);
         let hit = hits.fold(0.0, f64::max);
         if waiting > 0.0 && waiting >= hit {
@@ -139,7 +139,7 @@ fn groups<'a>(places: Vec<Place<'a>>, together: Option<Together>) -> Vec<Vec<Pla
     let mut groups: Vec<Vec<Place<'a>>> = Vec::new();
     for place in places {
         let joins = |group: &&mut Vec<Place<'a>>| match together {
-            Some(Together::Policies) => group[0].town.id == place.town.id,
+            Some(Together::Drivers) => group[0].town.id == place.town.id,
             Some(Together::Towns) => group[0].policy.id == place.policy.id,
             Some(Together::All) => true,
             None => false,

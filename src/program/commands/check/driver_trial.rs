@@ -100,16 +100,16 @@ town proving_ground {
 /// The campaign whose scenarios are driven.
 const CAMPAIGN: &str = "\
 edition 1
-policy placeholder = cruise()
+driver placeholder = cruise()
 vehicle car = model3()
-adversary walker { }
+body walker { }
 spawn ahead { }
 episode half_a_minute { }
-reward any { on hit => 1 }
+reward any { on touch => 1 }
 training none = ppo()
 campaign check {
-  vehicle: car adversary: walker spawn: ahead episode: half_a_minute training: none
-  train { towns: [proving_ground, empty_road] policies: [placeholder] rewards: [any] }
+  vehicle: car body: walker spawn: ahead episode: half_a_minute training: none
+  train { towns: [proving_ground, empty_road] drivers: [placeholder] rewards: [any] }
 }
 ";
 

@@ -20,18 +20,18 @@ town proving_ground {
   street along { through: [(0 m, 0 m), (100 m, 0 m), (200 m, 0 m)] }
   street across { through: [(100 m, -100 m), (100 m, 0 m), (100 m, 100 m)] }
 }
-policy placeholder = cruise()
+driver placeholder = cruise()
 vehicle car = model3()
-adversary walker { }
+body walker { }
 spawn behind { ego_poses: [(20 m, -1.75 m, 0 deg)] ego_speed: 8 m/s bearing: 180 deg distance: 15 m }
 spawn ahead { ego_poses: [(20 m, -1.75 m, 0 deg)] ego_speed: 8 m/s bearing: 0 deg distance: 30 m }
 spawn beside { ego_poses: [(20 m, -1.75 m, 0 deg)] ego_speed: 8 m/s bearing: 3.6 deg distance: 30 m }
 episode half_a_minute { }
 campaign check {
-  vehicle: car adversary: walker spawn: behind episode: half_a_minute
-  evaluate { towns: [proving_ground] policies: [placeholder] pedestrians: [random] episodes: 1 }
-  evaluate { towns: [proving_ground] policies: [placeholder] pedestrians: [random] episodes: 1 spawn: ahead }
-  evaluate { towns: [proving_ground] policies: [placeholder] pedestrians: [random] episodes: 1 spawn: beside }
+  vehicle: car body: walker spawn: behind episode: half_a_minute
+  evaluate { towns: [proving_ground] drivers: [placeholder] pedestrians: [random] episodes: 1 }
+  evaluate { towns: [proving_ground] drivers: [placeholder] pedestrians: [random] episodes: 1 spawn: ahead }
+  evaluate { towns: [proving_ground] drivers: [placeholder] pedestrians: [random] episodes: 1 spawn: beside }
 }
 ";
 

@@ -115,7 +115,7 @@ pub fn compare_lanes(options: &CheckArgs, name: &str) -> Ended {
 }
 
 fn native_driver(driver: String) -> PolicyMaker {
-    Arc::new(move || Box::new(Native::new(NativeKeys { driver: driver.clone() })))
+    Arc::new(move || Box::new(Native::new(NativeKeys { name: driver.clone() })))
 }
 
 fn episodes(scenario: &Arc<Scenario>) -> (Vec<Outcome>, Vec<Trace>) {

@@ -85,7 +85,7 @@ impl Source {
         let again = commands.and_then(|commands| {
             Meeting::new(&after, |scenario| walk_again(scenario, starts, number.into(), &commands))
         });
-        let ends = [(WalkedBy::Controller, Meeting::new(&after, play)), (WalkedBy::Commands, again)];
+        let ends = [(WalkedBy::Pedestrian, Meeting::new(&after, play)), (WalkedBy::Commands, again)];
         met_again(failure, &evaluation.scenario, before, ends)
     }
 
@@ -109,7 +109,7 @@ impl Source {
         });
         let before = old.then(|| follow(&search.scenario)).flatten();
         let again = if walked.is_some() && new.world.is_some() { None } else { Meeting::new(&after, follow) };
-        let ends = [(WalkedBy::Controller, walked), (WalkedBy::Commands, again)];
+        let ends = [(WalkedBy::Pedestrian, walked), (WalkedBy::Commands, again)];
         MetAgain { has_no_controller, ..met_again(failure, &search.scenario, before, ends) }
     }
 }

@@ -31,7 +31,7 @@ const MAX_ERRORS: u32 = 10;
 /// Failures that are met at the same time.
 const TOGETHER: usize = 32;
 /// Who walks in an encounter.
-const BOTH: [WalkedBy; 2] = [WalkedBy::Controller, WalkedBy::Commands];
+const BOTH: [WalkedBy; 2] = [WalkedBy::Pedestrian, WalkedBy::Commands];
 
 /// What a recheck works with.
 struct Sides {

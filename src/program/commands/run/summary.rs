@@ -29,7 +29,7 @@ pub fn show(report: &CampaignReport, details: bool) {
             let learnt = learnt_drivers(folder);
             if !learnt.is_empty() {
                 console::say(&format!(
-                    "drivers that learnt, for `policy NAME = onnx(model: …)`:\n{}",
+                    "drivers that learnt, for `driver NAME = onnx(model: …)`:\n{}",
                     learnt.join("\n")
                 ));
             } else if texts.is_empty() {

@@ -1,5 +1,5 @@
 use super::Row;
-use crate::record::columns::{EGO_SPEED, EPISODE, POLICY, RUN_ID, TOWN};
+use crate::record::columns::{DRIVER, EGO_SPEED, EPISODE, RUN_ID, TOWN};
 use crate::record::{Column, Table};
 use compile::Cover;
 use world::env::StartParameter;
@@ -19,7 +19,7 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .column(RUN_ID.of(|row: &Row<'_>| row.0.origin.id.to_string()))
     .column(TOWN.of(|row: &Row<'_>| row.0.town.clone()))
-    .column(POLICY.of(|row: &Row<'_>| row.0.policy.clone()))
+    .column(DRIVER.of(|row: &Row<'_>| row.0.policy.clone()))
     .column(Column::<String>::new("spawn", "", "spawn rule whose ranges are the box").of(|row: &Row<'_>| row.0.spawn.clone()))
     .column(Column::<String>::new("pedestrian", "", "who walks").of(|row: &Row<'_>| row.0.pedestrian.clone()))
     .column(Column::<String>::new("parameters", "", "parameters of the box").of(|row: &Row<'_>| row.0.parameter_names().join(" ")))

@@ -1,5 +1,5 @@
 use super::Row;
-use crate::record::columns::{POLICY, RUN, RUN_ID, TOWN};
+use crate::record::columns::{DRIVER, RUN, RUN_ID, TOWN};
 use crate::record::{Column, Table};
 use compile::Estimation;
 use world::likelihood::Estimate;
@@ -27,7 +27,7 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .column(RUN_ID.of(|row: &Row<'_>| row.job.origin.id.to_string()))
     .column(TOWN.of(|row: &Row<'_>| row.job.town.clone()))
-    .column(POLICY.of(|row: &Row<'_>| row.job.policy.clone()))
+    .column(DRIVER.of(|row: &Row<'_>| row.job.policy.clone()))
     .text("pedestrian", "the pedestrian, who walks by itself", |row| row.job.pedestrian.clone())
     .text(
         "requirement",

@@ -12,7 +12,7 @@ pub fn hardened(found: &Findings<'_>) -> Option<Section> {
     let lines = written.clone().map(|(job, line)| format!("*{}:* `{line}`", job.title()));
     let reading = [
         "A round attacks the driver as it is, keeps the failures and the pedestrians that it ended with, and searches the keys of the driver. The tests are in \
-         other towns, from fresh starts; *new faults* are at starts without a fault before. Starts of a falsifier are those that it tried against both.",
+         other towns, from fresh starts; *new faults* are at starts without a fault before. Starts of a search are those that it tried against both.",
         "*Progress* is the mean speed in encounters with natural pedestrians in the towns of the test. *Hard braking* is the share of these encounters in which \
          the car slowed down harder than stated over half a second. The limits were kept in the towns of the rounds; here they are estimates.",
     ];

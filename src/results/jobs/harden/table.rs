@@ -1,13 +1,13 @@
 use super::Row;
 use crate::record::Table;
-use crate::record::columns::{POLICY, RUN, RUN_ID};
+use crate::record::columns::{DRIVER, RUN, RUN_ID};
 use compile::Harden;
 use world::hardening::{Tested, Traffic};
 
 /// What a hardening changed, of one figure.
 pub struct Changed<'a> {
     job: &'a Harden,
-    /// `key`, `walker`, `falsifier`, `progress` or `comfort`.
+    /// `key`, `pedestrian`, `method`, `progress` or `comfort`.
     about: &'static str,
     /// The key, the pedestrian, the falsifier, or the unit.
     name: String,
@@ -37,7 +37,7 @@ pub fn rows<'a>((job, found): Row<'a>) -> Vec<Changed<'a>> {
         new: Some(test.new),
         errors: Some(test.errors),
         ..row(
-            if test.searches { "falsifier" } else { "walker" },
+            if test.searches { "method" } else { "pedestrian" },
             &test.attacker,
             [test.before, test.after].map(|faults| Some(faults as f64)),
         )
@@ -63,11 +63,11 @@ pub fn columns<'a>() -> Table<'a, Changed<'a>> {
         "Several rows for each `harden` of a driver: its keys before and after, and what held-out tests show. Starts of a test are equal before and after.",
     )
     .column(RUN_ID.of(|row: &Changed<'_>| row.job.origin.id.to_string()))
-    .column(POLICY.of(|row: &Changed<'_>| row.job.written.name.clone()))
+    .column(DRIVER.of(|row: &Changed<'_>| row.job.written.name.clone()))
     .column(RUN.of(|row: &Changed<'_>| row.job.origin.run))
     .text(
         "about",
-        "`key`: a varied key, in SI. `walker`, `falsifier`: starts with a fault in a test with a pedestrian or a \
+        "`key`: a varied key, in SI. `pedestrian`, `method`: starts with a fault in a test with a pedestrian or a \
          search. `progress`, `comfort`: natural encounters in the towns of the test",
         |row| row.about.to_string(),
     )

@@ -40,7 +40,7 @@ pub fn files(found: &Findings<'_>, manifest: &Manifest) -> Vec<(String, Vec<u8>)
             ("falsify", manifest.version.clone()),
             ("campaign", campaign.name.clone()),
             ("town", key.town.clone()),
-            ("policy", key.policy.clone()),
+            ("driver", key.policy.clone()),
             ("reward", key.reward.clone()),
             ("run", key.run.to_string()),
             ("seed", manifest.seed.to_string()),

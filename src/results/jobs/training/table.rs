@@ -1,6 +1,6 @@
 use super::TrainingResult;
 use crate::record::Table;
-use crate::record::columns::{REWARD, RUN, TRAIN_POLICY, TRAIN_TOWN};
+use crate::record::columns::{REWARD, RUN, TRAIN_DRIVER, TRAIN_TOWN};
 use crate::report::{self, csv_text};
 use compile::TrainingKey;
 use learn::UpdateLog;
@@ -32,7 +32,7 @@ pub fn columns<'a>() -> Table<'a, Update<'a>> {
     )
     .column(REWARD.of(|row: &Row<'_>| row.0.reward.clone()))
     .column(TRAIN_TOWN.of(|row: &Row<'_>| row.0.town.clone()))
-    .column(TRAIN_POLICY.of(|row: &Row<'_>| row.0.policy.clone()))
+    .column(TRAIN_DRIVER.of(|row: &Row<'_>| row.0.policy.clone()))
     .column(RUN.of(|row: &Row<'_>| row.0.run))
     .count("update", "number of the update, from 1 (`time/iterations`)", |row| row.1.update)
     .count("steps", "decisions up to its end, over all environments (`total_timesteps`)", |row| row.1.steps)

@@ -38,7 +38,6 @@ pub use search_cells::{SearchCell, search_cell_table, search_cells};
 pub use search_comparisons::{SearchComparison, search_comparisons};
 pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
 pub use searches::{
-    BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, STARTS, TRIED, search_key, search_table,
-    searches,
+    BUDGET, FIRST_START, METHOD, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, STARTS, TRIED, search_key, search_table, searches,
 };
 pub use ticks::{tick_table, ticks};

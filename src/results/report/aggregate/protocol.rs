@@ -1,5 +1,5 @@
 use crate::jobs::SearchResult;
-use crate::record::columns::{POLICY, RUN_ID, TOWN};
+use crate::record::columns::{DRIVER, RUN_ID, TOWN};
 use crate::record::{Column, EpisodeTable, Table};
 use base::choice;
 use base::statistics::{clopper_pearson, mean};
@@ -285,10 +285,10 @@ pub fn protocol_table() -> Table<'static, ProtocolCell> {
     Table::new(PROTOCOL, doc)
         .column(RUN_ID.of(|row: &Row| row.run_id.clone()))
         .column(TOWN.of(|row: &Row| row.town.clone()))
-        .column(POLICY.of(|row: &Row| row.policy.clone()))
+        .column(DRIVER.of(|row: &Row| row.policy.clone()))
         .column(Column::<String>::new("test", "", "name of the spawn rule").of(|row: &Row| row.test.clone()))
         .column(
-            Column::<String>::new("falsifier", "", "name of the search within the layers; empty for the nominal test")
+            Column::<String>::new("method", "", "name of the search within the layers; empty for the nominal test")
                 .of(|row: &Row| row.falsifier.clone().unwrap_or_default()),
         )
         .column(
@@ -388,7 +388,7 @@ mod tests {
 
     #[test]
     fn a_cell_says_how_sure_it_is() {
-        let mut sure = cell(50.0, 0.0, TestCriterion::NoContact);
+        let mut sure = cell(50.0, 0.0, TestCriterion::NoCollision);
         (1..20).for_each(|_| sure.note(0.0, None, || None));
         // 1 - 0.05^(1/20).
         assert_eq!((sure.not_passed, sure.episodes), (0, 20));
@@ -396,7 +396,7 @@ mod tests {
         sure.note(3.0, None, || None);
         assert_eq!(sure.not_passed, 1);
         assert_eq!(ProtocolCell { falsifier: Some("meet".into()), ..sure }.not_passed_at_most(), None);
-        assert_eq!(cell(50.0, 0.0, TestCriterion::NoContact).not_passed_at_most(), None, "one run decides");
+        assert_eq!(cell(50.0, 0.0, TestCriterion::NoCollision).not_passed_at_most(), None, "one run decides");
     }
 
     #[test]
@@ -405,8 +405,8 @@ mod tests {
         assert!(passes(42.0, 0.0) && !passes(42.0, 1.0));
         assert!(passes(45.0, 14.9) && !passes(45.0, 15.1));
         assert!(passes(60.0, 34.9) && !passes(60.0, 35.1));
-        assert!(!cell(50.0, 1.0, TestCriterion::NoContact).passes().unwrap());
-        assert_eq!(cell(50.0, 1.0, TestCriterion::NoContact).colour(), None, "colours are those of Euro NCAP");
+        assert!(!cell(50.0, 1.0, TestCriterion::NoCollision).passes().unwrap());
+        assert_eq!(cell(50.0, 1.0, TestCriterion::NoCollision).colour(), None, "colours are those of Euro NCAP");
     }
 
     #[test]

@@ -2,7 +2,7 @@ use polars::prelude::DataFrame;
 
 use super::{Cell, Failures, Rate};
 use crate::failure::Failure;
-use crate::record::columns::{CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN, WORLD};
+use crate::record::columns::{DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, WORLD};
 use crate::record::{Column, Entry, Interval, Table};
 use crate::report::infer::{CellEvidence, LEARNT};
 
@@ -27,12 +27,12 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
         RESULTS,
         "One row for each pedestrian, town, driver and world. Open this table first; `metrics` has all that is known.",
     )
-    .column(CONTROLLER.of(|row: &Row<'_>| row.0.key.controller.clone()))
+    .column(PEDESTRIAN.of(|row: &Row<'_>| row.0.key.controller.clone()))
     .column(REWARD.of(|row: &Row<'_>| row.0.key.reward.clone()))
     .column(TRAIN_TOWN.of(|row: &Row<'_>| row.0.key.train_town.clone()))
-    .column(TRAIN_POLICY.of(|row: &Row<'_>| row.0.key.train_policy.clone()))
+    .column(TRAIN_DRIVER.of(|row: &Row<'_>| row.0.key.train_policy.clone()))
     .column(TOWN.of(|row: &Row<'_>| row.0.key.town.clone()))
-    .column(POLICY.of(|row: &Row<'_>| row.0.key.policy.clone()))
+    .column(DRIVER.of(|row: &Row<'_>| row.0.key.policy.clone()))
     .column(WORLD.of(|row: &Row<'_>| row.0.key.world.clone()))
     .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs))
     .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes))

@@ -4,11 +4,11 @@ use super::search_figures::{
     FAILED_STARTS, FAILURE_COUNT, FAULT, FAULT_STARTS, FIRST_FAILURE, FIRST_SIMULATIONS, Figures, INJURY,
 };
 use crate::jobs::SearchResult;
-use crate::record::columns::{BLOCK, POLICY, REWARD, RUN, RUN_ID, TOWN};
+use crate::record::columns::{BLOCK, DRIVER, REWARD, RUN, RUN_ID, TOWN};
 use crate::record::{Column, Entry, Table};
 use compile::SearchKey;
 
-pub const FALSIFIER: Column<String> = Column::new("falsifier", "", "the search, by the name of its method");
+pub const METHOD: Column<String> = Column::new("method", "", "the search, by the name of its method");
 /// The name of a table of searches.
 pub const SEARCHES: &str = "searches";
 pub const STARTS: Column<u64> = Column::new(
@@ -29,12 +29,12 @@ pub const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks
 /// The columns of a search's key, without the run.
 pub fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 5] {
     [
-        FALSIFIER.of(move |row: &R| key(row).falsifier.clone()),
+        METHOD.of(move |row: &R| key(row).falsifier.clone()),
         REWARD
             .of(move |row: &R| key(row).reward.clone())
             .meaning("reward that it maximises; empty for a search without a reward"),
         TOWN.of(move |row: &R| key(row).town.clone()),
-        POLICY.of(move |row: &R| key(row).policy.clone()),
+        DRIVER.of(move |row: &R| key(row).policy.clone()),
         SEARCH_BLOCK.of(move |row: &R| u64::from(key(row).block)),
     ]
 }

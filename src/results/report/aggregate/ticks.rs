@@ -20,7 +20,7 @@ pub struct Tick<'a> {
 const STATE: [(&str, &str, usize); ObservationSpec::DIM] = [
     (
         "state_bearing",
-        "first number of the state that the pedestrian gets for a decision here, in the frame and units of its `adversary` \
+        "first number of the state that the pedestrian gets for a decision here, in the frame and units of its `body` \
          (`falsify explain state`); missing where it takes no decision",
         0,
     ),

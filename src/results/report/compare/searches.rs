@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::comparison::drivers;
 use super::matching::{Matched, Side, is_renamed, paired};
 use super::paired_rate::{Changed, PairedRate};
-use super::table::{MATCHED_RUNS, OTHER_POLICY};
+use super::table::{MATCHED_RUNS, OTHER_DRIVER};
 use crate::failure::{Failure, FailureOrder};
-use crate::record::columns::{POLICY, TOWN};
+use crate::record::columns::{DRIVER, TOWN};
 use crate::record::{Column, Entry, Interval, Role, Table};
-use crate::report::aggregate::{BUDGET, FALSIFIER, SEARCH_BLOCK};
+use crate::report::aggregate::{BUDGET, METHOD, SEARCH_BLOCK};
 use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
 use crate::report::{FailureChange, ReadError, SideEnd};
@@ -149,10 +149,10 @@ pub fn compared_search_table() -> Table<'static, ComparedSearch> {
     type Row = ComparedSearch;
     let number = Column::<f64>::new;
     Table::new("compared_searches", "One row for each search, town and driver that both sides have.")
-        .column(FALSIFIER.of(|row: &Row| row.falsifier.clone()))
+        .column(METHOD.of(|row: &Row| row.falsifier.clone()))
         .column(TOWN.of(|row: &Row| row.town.clone()))
-        .column(POLICY.of(|row: &Row| row.policies[0].clone()))
-        .column(OTHER_POLICY.of(|row: &Row| row.policies[1].clone()))
+        .column(DRIVER.of(|row: &Row| row.policies[0].clone()))
+        .column(OTHER_DRIVER.of(|row: &Row| row.policies[1].clone()))
         .column(SEARCH_BLOCK.of(|row: &Row| row.block))
         .column(BUDGET.of(|row: &Row| row.budget))
         .column(MATCHED_RUNS.of(|row: &Row| row.runs))

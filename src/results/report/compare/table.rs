@@ -2,9 +2,7 @@ use polars::prelude::DataFrame;
 
 use super::comparison::{ComparedCell, ReportComparison};
 use super::paired_rate::{Changed, CountedEvent, PairedRate};
-use crate::record::columns::{
-    ADVERSARY, BLOCK, CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, WORLD,
-};
+use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::{Column, Family, Role, Table, TableReference};
 
 const BEFORE: Family<f64> =
@@ -40,7 +38,7 @@ const SAME: Family<u64> = Family::new(
     "common starts with such a failure on both sides; of all untrained pedestrians, with as many",
 );
 
-pub const OTHER_POLICY: Column<String> = Column::new("other_policy", "", "name of the driver on the second side");
+pub const OTHER_DRIVER: Column<String> = Column::new("other_driver", "", "name of the driver on the second side");
 pub const MATCHED_RUNS: Column<u64> = Column::new("runs", "", "matched runs");
 
 /// The number of starts that both sides have.
@@ -74,15 +72,15 @@ fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
         "comparison",
         "One row for each place, driver and pedestrian that both sides have, and one with the pedestrian `all untrained` for a driver that has several.",
     )
-    .column(POLICY.of(|row: &Row| row.keys[0].policy.clone()))
-    .column(OTHER_POLICY.of(|row: &Row| row.keys[1].policy.clone()))
+    .column(DRIVER.of(|row: &Row| row.keys[0].policy.clone()))
+    .column(OTHER_DRIVER.of(|row: &Row| row.keys[1].policy.clone()))
     .column(TOWN.of(|row: &Row| row.keys[0].town.clone()))
-    .column(CONTROLLER.of(|row: &Row| row.keys[0].controller.clone()))
+    .column(PEDESTRIAN.of(|row: &Row| row.keys[0].controller.clone()))
     .column(REWARD.of(|row: &Row| row.keys[0].reward.clone()))
     .column(TRAIN_TOWN.of(|row: &Row| row.keys[0].train_town.clone()))
-    .column(TRAIN_POLICY.of(|row: &Row| row.keys[0].train_policy.clone()))
+    .column(TRAIN_DRIVER.of(|row: &Row| row.keys[0].train_policy.clone()))
     .column(VEHICLE.of(|row: &Row| row.keys[0].vehicle.clone()))
-    .column(ADVERSARY.of(|row: &Row| row.keys[0].adversary.clone()))
+    .column(BODY.of(|row: &Row| row.keys[0].adversary.clone()))
     .column(WORLD.of(|row: &Row| row.keys[0].world.clone()))
     .column(BLOCK.of(|row: &Row| row.keys[0].block))
     .column(MATCHED_RUNS.of(|row: &Row| row.runs))

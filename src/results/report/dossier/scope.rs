@@ -17,7 +17,7 @@ pub fn scope(found: &Findings<'_>) -> Section {
     lead.push(LEFT_OUT.into());
     let row = |driver: &compile::Driver| {
         let sensors = driver.sensors.clone().unwrap_or_else(|| "none: it perceives exactly and without delay".into());
-        let documented = campaign.words.iter().find(|word| word.form == "policy" && word.name == driver.name);
+        let documented = campaign.words.iter().find(|word| word.form == "driver" && word.name == driver.name);
         let docs = documented.map_or_else(String::new, |word| word.docs.clone());
         let changed = if driver.changed.is_empty() { "none".into() } else { driver.changed.join(", ") };
         let words = [driver.kind.into(), changed, sensors, docs, driver.surrogate.into()];

@@ -22,7 +22,7 @@ const OF_THE_GAIN: f64 = 0.5;
 pub struct Learning {
     /// Mean reward of an episode, of each training with a value.
     pub rewards: Vec<f64>,
-    /// The untrained controllers of the place that have the same reward, in the order of the place.
+    /// The untrained pedestrians of the place that have the same reward, in the order of the place.
     pub baselines: Vec<Baseline>,
     /// Standard deviation of the trainings' rewards that their episodes explain; `None` for a single training.
     pub by_episodes: Option<f64>,
@@ -40,7 +40,7 @@ pub struct Baseline {
     pub trainings: Vec<TrainingDifference>,
 }
 
-/// The mean reward of a training less that of an untrained controller.
+/// The mean reward of a training less that of an untrained pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainingDifference {
     pub difference: f64,
@@ -54,9 +54,9 @@ choice! {
     /// The answer.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Learnt {
-        /// Each training is significantly above an untrained controller, and none is below one.
+        /// Each training is significantly above an untrained pedestrian, and none is below one.
         Yes = "yes",
-        /// A training is significantly below an untrained controller.
+        /// A training is significantly below an untrained pedestrian.
         No = "no",
         /// Neither is shown, or there is no untrained controller to compare with.
         Unclear = "unclear",
@@ -64,7 +64,7 @@ choice! {
 }
 
 impl Learning {
-    /// Measures the rewards of the trainings of a cell; `None` for an untrained controller, and for a cell without a value.
+    /// Measures the rewards of the trainings of a cell; `None` for an untrained pedestrian, and for a cell without a value.
     pub(super) fn new(place: &Place, measured: &Measured, cell: usize) -> Option<Self> {
         let key = &place.runs(cell)[0].key;
         if !key.is_trained() {
@@ -94,7 +94,7 @@ impl Learning {
         }
     }
 
-    /// The untrained controllers that are significantly above any training, each with the number of these trainings.
+    /// The untrained pedestrians that are significantly above any training, each with the number of these trainings.
     fn below(&self) -> Vec<(&Baseline, usize)> {
         let count = |baseline: &Baseline| baseline.trainings.iter().filter(|each| each.is_below()).count();
         self.baselines.iter().map(|baseline| (baseline, count(baseline))).filter(|(_, count)| *count > 0).collect()
@@ -156,7 +156,7 @@ impl TrainingDifference {
 }
 
 impl Baseline {
-    /// From the rewards of trainings and of the runs of an untrained controller.
+    /// From the rewards of trainings and of the runs of an untrained pedestrian.
     fn new(controller: String, sample: &Sample) -> Self {
         let (trained, all) = (sample.first, sample.values.len());
         let reward = sample.values[trained..].iter().sum::<f64>() / (all - trained) as f64;
@@ -225,12 +225,12 @@ impl From<&Baseline> for Untrained {
 /// Why trainings are doubtful.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reason {
-    /// The reward of some is below that of an untrained controller.
+    /// The reward of some is below that of an untrained pedestrian.
     Below {
         count: usize,
         /// The number of trainings.
         of: usize,
-        /// The controller that most of them are below.
+        /// The pedestrian that most of them are below.
         than: Untrained,
         /// The mean reward of each training.
         rewards: Vec<f64>,
@@ -240,7 +240,7 @@ pub enum Reason {
         count: usize,
         /// The number of trainings.
         of: usize,
-        /// The controller with the lowest reward.
+        /// The pedestrian with the lowest reward.
         than: Untrained,
         /// The mean reward of each training.
         rewards: Vec<f64>,
@@ -296,7 +296,7 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// The doubts about the trainings of a campaign, in the order of the cells. Trainings without an untrained controller to compare with give
+/// The doubts about the trainings of a campaign, in the order of the cells. Trainings without an untrained pedestrian to compare with give
 /// none.
 ///
 /// A training is judged where it was trained: in its town, against its driver, in our simulator. One that was evaluated only elsewhere is judged there.

@@ -3,10 +3,10 @@ use crate::record::{CellKey, Column, ColumnReference, Family, Interval, Table, c
 use crate::report::SearchComparison;
 use world::judge::Reference;
 
-const OTHER_CONTROLLER: Column<String> =
-    Column::new("other_controller", "", "pedestrian of the cell that is subtracted");
-const OTHER_POLICY: Column<String> =
-    Column::new("other_policy", "", "driver of that cell: another one than `policy` where drivers are compared");
+const OTHER_PEDESTRIAN: Column<String> =
+    Column::new("other_pedestrian", "", "pedestrian of the cell that is subtracted");
+const OTHER_DRIVER: Column<String> =
+    Column::new("other_driver", "", "driver of that cell: another one than `driver` where drivers are compared");
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 const FIGURE: Column<String> = Column::new(
     "figure",
@@ -117,12 +117,12 @@ impl From<&SearchComparison> for ComparedRow {
 pub fn comparison_table() -> Table<'static, ComparedRow> {
     Table::new(
         "comparisons",
-        "One row for each pair of cells with common starts, and figure: two pedestrians against one driver, or, where `other_policy` is not `policy`, two drivers that met the same pedestrian. Both cells \
-         have the same town, vehicle, adversary, world and block. Rows of searches follow, which have no `vehicle`: two searches, or two drivers. Each kind is adjusted on its own.",
+        "One row for each pair of cells with common starts, and figure: two pedestrians against one driver, or, where `other_driver` is not `driver`, two drivers that met the same pedestrian. Both cells \
+         have the same town, vehicle, body, world and block. Rows of searches follow, which have no `vehicle`: two searches, or two drivers. Each kind is adjusted on its own.",
     )
     .columns(cell_key(|row: &ComparedRow| &row.first))
-    .column(OTHER_CONTROLLER.of(|row: &ComparedRow| row.second.controller.clone()))
-    .column(OTHER_POLICY.of(|row: &ComparedRow| row.second.policy.clone()))
+    .column(OTHER_PEDESTRIAN.of(|row: &ComparedRow| row.second.controller.clone()))
+    .column(OTHER_DRIVER.of(|row: &ComparedRow| row.second.policy.clone()))
     .column(OTHER_REWARD.of(|row: &ComparedRow| row.second.reward.clone()))
     .column(FIGURE.of(|row: &ComparedRow| row.figure))
     .count("paired_episodes", "episodes of the shortest of these runs; missing of searches", |row| row.episodes)

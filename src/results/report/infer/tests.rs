@@ -255,7 +255,7 @@ fn learning(hits: &[usize]) -> (Learnt, Option<bool>, Vec<Reason>) {
     let others = [rewarded("random", 0, "a", &word(10, 200)), rewarded("intercept", 0, "a", &word(80, 200))];
     let found = gather(trained.chain(others).collect());
     let learning = found.cells[0].learning.as_ref().unwrap();
-    assert!(found.cells[1].learning.is_none(), "an untrained controller learns nothing");
+    assert!(found.cells[1].learning.is_none(), "an untrained pedestrian learns nothing");
     (learning.learnt(), learning.disagree(), doubts(&found.cells).into_iter().map(|doubt| doubt.reason).collect())
 }
 

@@ -34,7 +34,7 @@ pub(super) enum Extreme {
 
 impl Extreme {
     /// What comes before the column.
-    const WORDS: [(&str, Self); 2] = [("max over controllers ", Self::Max), ("min over controllers ", Self::Min)];
+    const WORDS: [(&str, Self); 2] = [("max over pedestrians ", Self::Max), ("min over pedestrians ", Self::Min)];
 }
 
 /// How a value is compared.

@@ -6,10 +6,10 @@ use polars::prelude::PolarsResult;
 
 use super::{ReadError, StoredReport};
 use crate::failure::{Failure, FoundBy};
-use crate::record::columns::{MIN_GAP, NUMBER, POLICY, REWARD, RUN_ID, TOWN};
+use crate::record::columns::{DRIVER, MIN_GAP, NUMBER, REWARD, RUN_ID, TOWN};
 use crate::record::{CellKey, EPISODES, EpisodeTable, RunKey};
 use crate::report::actors::{ACTORS, NEEDED, ROLE};
-use crate::report::aggregate::{APPLIES, FALSIFIER, REQUIREMENT, REQUIREMENTS, SEARCH_BLOCK, SEARCH_RUN, SEARCHES};
+use crate::report::aggregate::{APPLIES, METHOD, REQUIREMENT, REQUIREMENTS, SEARCH_BLOCK, SEARCH_RUN, SEARCHES};
 use crate::report::failure_table::{FAILURES, Row, read_failures};
 use compile::RunId;
 
@@ -119,10 +119,10 @@ impl StoredReport {
 /// The key of a search, whose falsifier is the controller, in the table of searches.
 fn search_key_of(row: Row<'_>) -> PolarsResult<RunKey> {
     let cell = CellKey {
-        controller: row.text(&FALSIFIER)?,
+        controller: row.text(&METHOD)?,
         reward: row.text(&REWARD)?,
         town: row.text(&TOWN)?,
-        policy: row.text(&POLICY)?,
+        policy: row.text(&DRIVER)?,
         block: row.count(&SEARCH_BLOCK)? as u32,
         ..CellKey::default()
     };

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use polars::prelude::{AnyValue, DataFrame};
 
 use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
-use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
+use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::aggregate::{STARTS, search_cell_table, search_key};
@@ -16,8 +16,8 @@ use compile::{Campaign, Evaluation, Search, SearchKey};
 /// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about those of
 /// searches when it names one that only searches have.
 ///
-/// Conditions on words of a cell's key choose the cells. All others must be true for the gate to be broken. With `max over controllers` or
-/// `min over controllers` before a column, a gate judges one cell of each place: that of the controller with the greatest or least value.
+/// Conditions on words of a cell's key choose the cells. All others must be true for the gate to be broken. With `max over pedestrians` or
+/// `min over pedestrians` before a column, a gate judges one cell of each place: that of the controller with the greatest or least value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
     text: String,
@@ -30,7 +30,7 @@ pub struct Gate {
 pub enum GateError {
     /// It is not of the form `COLUMN < NUMBER`.
     #[error(
-        "`{text}` is not a condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
+        "`{text}` is not a condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over pedestrians COLUMN` takes the greatest of a place"
     )]
     Form { text: String },
     /// Conditions are joined by something else than `and`.
@@ -51,9 +51,9 @@ pub enum GateError {
         /// Why.
         reason: String,
     },
-    /// Several columns are taken over controllers.
+    /// Several columns are taken over pedestrians.
     #[error(
-        "`{text}` has `over controllers` more than once: which pedestrian would the others be about? Write several gates"
+        "`{text}` has `over pedestrians` more than once: which pedestrian would the others be about? Write several gates"
     )]
     Extremes { text: String },
     /// A number is compared with a word, or words with an order.
@@ -391,7 +391,7 @@ impl Gate {
     /// interval of a difference, of a single run beyond what a condition asks for.
     fn too_few_starts(&self, cells: &DataFrame, row: usize) -> Option<u64> {
         let starts = |column: &&str| number(&value(cells, column, row)).map(|starts| starts as u64);
-        let is_pooled = |row: usize| value(cells, CONTROLLER.name, row).get_str() == Some(ALL_UNTRAINED);
+        let is_pooled = |row: usize| value(cells, PEDESTRIAN.name, row).get_str() == Some(ALL_UNTRAINED);
         let is_exact = is_pooled(row) || number(&value(cells, RUNS, row)).is_none_or(|runs| runs == 1.0);
         let own = PAIRED_STARTS.iter().find_map(starts).filter(|_| is_exact)?;
         // Holm's correction counts the rows in which a pair differs, and of these no longer those that are shown.
@@ -514,7 +514,7 @@ impl Gate {
 }
 
 /// The columns that name a place: its controllers have the same starts.
-const PLACE: [&str; 6] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, WORLD.name, BLOCK.name];
+const PLACE: [&str; 6] = [TOWN.name, DRIVER.name, VEHICLE.name, BODY.name, WORLD.name, BLOCK.name];
 
 /// The share of episodes in which the driver left the road, and from which share on a row says nothing about the driver's failures.
 const LEFT_ROAD_RATE: &str = "left_road_rate";
@@ -581,7 +581,7 @@ mod tests {
     fn a_gate_that_chooses_no_row_is_refused_before_the_run() {
         let keys = df!(
             "town" => ["harbour", "village", "village"],
-            "controller" => ["trained", "trained", "random"],
+            "pedestrian" => ["trained", "trained", "random"],
             "train_town" => ["harbour", "harbour", ""]
         )
         .unwrap();
@@ -591,10 +591,10 @@ mod tests {
         assert_eq!(reason("learnt != yes"), Ok(()), "results are known after the run only");
         let untrained = Gate::parse("learnt != yes").unwrap().check_keys(&keys.tail(Some(1))).unwrap_err();
         assert_eq!(untrained, "`learnt` is about trained pedestrians, and no campaign evaluates one");
-        assert!(reason("learnt != yes and controller == random").unwrap_err().contains("no row is chosen by all"));
+        assert!(reason("learnt != yes and pedestrian == random").unwrap_err().contains("no row is chosen by all"));
         let typo = reason("preventable_rate > 0.05 and town == vilage").unwrap_err();
         assert_eq!(typo, "`town` can be: harbour, village");
-        let apart = reason("preventable_rate > 0.05 and town == harbour and controller == random").unwrap_err();
+        let apart = reason("preventable_rate > 0.05 and town == harbour and pedestrian == random").unwrap_err();
         assert!(apart.contains("no row is chosen by all"), "{apart}");
         let gate = Gate::parse("preventable_rate > 0.05").unwrap();
         let empty = gate.check(&[]).unwrap_err().to_string();

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::{ReadError, StoredReport};
 use crate::failure::Failure;
 use crate::record::Column;
-use crate::record::columns::{POLICY, REWARD, RUN_ID, TOWN};
-use crate::report::aggregate::{BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
+use crate::record::columns::{DRIVER, REWARD, RUN_ID, TOWN};
+use crate::report::aggregate::{BUDGET, FIRST_START, METHOD, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
 use world::falsifier::StartSet;
 
 /// The number of rows of a table that are read at once.
@@ -52,10 +52,10 @@ impl StoredReport {
             for row in 0..rows.height() {
                 let first = FIRST_START.value(rows, row)?.filter(|text| !text.is_empty());
                 searches.push(StoredSearch {
-                    falsifier: text(&FALSIFIER, row)?,
+                    falsifier: text(&METHOD, row)?,
                     reward: text(&REWARD, row)?,
                     town: text(&TOWN, row)?,
-                    policy: text(&POLICY, row)?,
+                    policy: text(&DRIVER, row)?,
                     block: number(&SEARCH_BLOCK, row)?,
                     run: number(&SEARCH_RUN, row)?,
                     budget: number(&BUDGET, row)?,

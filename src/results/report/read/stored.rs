@@ -325,7 +325,7 @@ impl StoredReport {
             let failed = |source| ReadError::Table { path: path.clone(), source };
             let mut key = RunKey::read(&row, 0).map_err(failed)?;
             let id = key.id.to_string();
-            if let Some(RunRecord { block, vehicle, adversary, .. }) =
+            if let Some(RunRecord { block, vehicle, body: adversary, .. }) =
                 self.manifest.runs.iter().find(|run| run.id == id)
             {
                 let (vehicle, adversary) = (vehicle.clone(), adversary.clone());

@@ -10,8 +10,8 @@ choice! {
     /// What moves the pedestrian of a failure when it is met again.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     pub enum WalkedBy {
-        /// Its controller, which reacts to the new driver.
-        Controller = "controller",
+        /// Its own policy, which reacts to the new driver.
+        Pedestrian = "pedestrian",
         /// The recorded commands; the last one is kept until the episode ends.
         Commands = "commands",
     }

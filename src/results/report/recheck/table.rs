@@ -1,9 +1,9 @@
 use super::{CrossedStarts, Met, RecheckedFailures, StartFaults};
-use crate::record::columns::{POLICY, TOWN, WORLD};
+use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::record::{Column, Role, Table};
 
 fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::Entry<'t, R> {
-    Column::<String>::new("other_policy", "", "name of the new driver").of(name)
+    Column::<String>::new("other_driver", "", "name of the new driver").of(name)
 }
 
 /// The column of the number of failures that a new driver did not meet.
@@ -32,12 +32,12 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
     let of_share =
         |was_fault, part: fn((f64, (f64, f64))) -> f64| move |row: &Row| row.fault_share(was_fault).map(part);
     Table::new("recheck_failures", "One row for each driver, town, world, source of failures and walk.")
-        .column(POLICY.of(|row: &Row| row.policies[0].clone()))
+        .column(DRIVER.of(|row: &Row| row.policies[0].clone()))
         .column(other_policy(|row: &Row| row.policies[1].clone()))
         .column(TOWN.of(|row: &Row| row.town.clone()))
         .column(WORLD.of(|row: &Row| row.world.clone()))
         .text("found_in", "`evaluation` or `search`", |row| row.found_in.name())
-        .text("walked_by", "what moves the pedestrian: `controller`, or the recorded `commands`", |row| {
+        .text("walked_by", "what moves the pedestrian: `pedestrian`, or the recorded `commands`", |row| {
             row.walked_by.name()
         })
         .count("failures", "collisions in the report, met again; with --sample near misses, too", is(|_, _| true))
@@ -111,7 +111,7 @@ pub fn crossed_table() -> Table<'static, CrossedStarts> {
         "recheck_crossings",
         "One row for each driver, town and setup: an episode for every walk of a grid, from the same starts.",
     )
-    .column(POLICY.of(|row: &Row| row.policies[0].clone()))
+    .column(DRIVER.of(|row: &Row| row.policies[0].clone()))
     .column(other_policy(|row: &Row| row.policies[1].clone()))
     .column(TOWN.of(|row: &Row| row.town.clone()))
     .column(WORLD.of(|row: &Row| row.world.clone()))

@@ -79,7 +79,7 @@ fn cases(suite: &Suite) -> Vec<(String, Vec<Finding>)> {
     let cells = cells.map(|(row, cell)| (short_name(cell, &suite.cells), findings(suite, row)));
     let searches = suite.searches.iter().enumerate().map(|(row, cell)| (cell.in_full(), of_gates(suite, true, row)));
     let failed = suite.manifest.trainings.iter().filter(|training| !training.error.is_empty());
-    let trainings = failed.map(|TrainingRecord { reward, town, policy, run, error, .. }| {
+    let trainings = failed.map(|TrainingRecord { reward, town, driver: policy, run, error, .. }| {
         let name = format!("training of {reward} in {town} against {policy}, run {run}");
         (name, vec![("error", "training", error.clone())])
     });

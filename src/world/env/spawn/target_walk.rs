@@ -55,7 +55,7 @@ choice! {
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum TestCriterion {
         /// Passed without contact.
-        NoContact = "no_contact",
+        NoCollision = "no_collision",
         /// The colours of Euro NCAP.
         EuroNcap = "euro_ncap",
         /// The greatest impact speeds of UN R152 for M1 and N1 in running order.
@@ -72,7 +72,7 @@ impl TestCriterion {
     pub fn limit(self, test_speed: f64) -> f64 {
         let kmh = test_speed * 3.6;
         match self {
-            Self::NoContact => 0.0,
+            Self::NoCollision => 0.0,
             Self::EuroNcap => 0.5 * test_speed,
             Self::UnR152 => R152.iter().find(|(up_to, _)| kmh <= up_to + 0.01).map_or(0.0, |(_, limit)| limit / 3.6),
         }
@@ -287,7 +287,7 @@ mod tests {
             headway: 6.0,
             target: TargetBox::ADULT,
             hidden: false,
-            criterion: TestCriterion::NoContact,
+            criterion: TestCriterion::NoCollision,
         }
     }
 

@@ -79,7 +79,7 @@ impl Networked {
 impl WalkPolicy for Networked {
     fn fits(&self, cast: &Cast, rule: &EpisodeRule) -> Result<(), &'static str> {
         if !self.stack.as_slice().len().is_multiple_of(cast.obs_dim()) {
-            return Err("its network does not fit the states of the adversary");
+            return Err("its network does not fit the states of the body");
         }
         let present = cast.interface(rule);
         let is_other = |(name, value): &(&str, String)| {

@@ -10,7 +10,7 @@ use compile::Campaign;
 
 /// The drivers, the names of the scenario, and the limits of the simulator.
 pub fn meaning(campaign: &Campaign) -> Markup {
-    let documented = |name: &str| campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
+    let documented = |name: &str| campaign.words.iter().find(|word| word.form == "driver" && word.name == name);
     let known = |name: &str| campaign.drivers.iter().any(|driver| driver.name == name);
     let mut seen = BTreeSet::new();
     let surrogates = campaign.drivers.iter().filter(|driver| !driver.surrogate.is_empty() && seen.insert(driver.kind));
@@ -29,7 +29,7 @@ pub fn meaning(campaign: &Campaign) -> Markup {
                     @if !driver.surrogate.is_empty() { " " b.warn { "A surrogate." } }
                 }
             }
-            @for word in campaign.words.iter().filter(|word| word.form != "policy" || !known(&word.name)) {
+            @for word in campaign.words.iter().filter(|word| word.form != "driver" || !known(&word.name)) {
                 dt { (word.name) }
                 dd { i { (word.form) "." } " " (prose(&word.docs)) }
             }

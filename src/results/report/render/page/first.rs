@@ -105,7 +105,7 @@ fn tried(result: &DriverResult, cells: &[Cell]) -> u64 {
 
 /// The first sentence of what the scenario says about a driver.
 fn documentation(all: &Findings<'_>, name: &str) -> Markup {
-    let word = all.campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
+    let word = all.campaign.words.iter().find(|word| word.form == "driver" && word.name == name);
     let docs = word.map_or("", |word| word.docs.as_str());
     prose(docs.split_inclusive(". ").next().unwrap_or_default().trim_end())
 }

@@ -71,7 +71,7 @@ fn probability(p: Option<f64>) -> String {
     }
 }
 
-/// What a terminal says below the table of falsifiers: which of them find more than by chance. `None` without any pair of falsifiers.
+/// What a terminal says below the table of methods: which of them find more than by chance. `None` without any pair of falsifiers.
 pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
     let pairs: Vec<&SearchComparison> = compared.iter().filter(|found| found.is_of_falsifiers()).collect();
     let runs = pairs.iter().map(|found| found.runs).max()?;
