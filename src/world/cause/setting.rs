@@ -9,7 +9,7 @@ use crate::hardening::natural_traffic;
 const RATIOS: [f64; 4] = [1.25, 1.6, 2.5, 5.0];
 const FROM_ZERO: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 /// Size of a change, as a logarithm of the ratio, below which a bisection stops: less shifts the timing alone.
-const LEAST_CHANGE: f64 = 0.05;
+const MIN_CHANGE: f64 = 0.05;
 /// Steps of a bisection.
 const HALVINGS: u32 = 6;
 /// Maximum number of settings whose cost is compared.
@@ -109,7 +109,7 @@ impl Variable {
                 }
                 for _ in 0..HALVINGS {
                     let middle = rounded((helps + fails) / 2.0, (helps - before).abs());
-                    if middle == helps || middle == fails || size(middle) < LEAST_CHANGE {
+                    if middle == helps || middle == fails || size(middle) < MIN_CHANGE {
                         break;
                     }
                     if turns(middle) { helps = middle } else { fails = middle }
