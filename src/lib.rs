@@ -16,8 +16,8 @@
 //! import "std/towns.scn"
 //!
 //! campaign crossing {
-//!   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-//!   evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random, intercept]  episodes: 25 }
+//!   vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+//!   evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [random, intercept]  episodes: 25 }
 //! }
 //! "#;
 //!

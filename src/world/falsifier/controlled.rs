@@ -68,7 +68,7 @@ impl Ord for Controller {
     }
 }
 
-/// A controller as a falsifier: it runs one episode from every start.
+/// A pedestrian as a search method: it runs one episode from every start.
 #[derive(Debug, Clone)]
 pub struct Controlled(pub Controller);
 
