@@ -9,7 +9,7 @@ the left) and ``speed`` (m/s). It is kept for the ticks that the scenario's ``ho
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -158,7 +158,7 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
         episode = episode_option(options)
         if seed is None:
             seeds: list[int | None] = [None] * self.num_envs
-        elif isinstance(seed, (int, np.integer)):
+        elif not isinstance(seed, Iterable) or isinstance(seed, str):
             seeds = [checked_seed(seed) + world for world in range(self.num_envs)]
         else:
             seeds = list(seed)

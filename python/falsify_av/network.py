@@ -40,6 +40,10 @@ class Network:
         self.shapes: dict[str, list[Any]] = {each.name: each.shape for each in inputs}
         self._types = {each.name: _FLOATS[each.type] for each in inputs}
 
+    def __deepcopy__(self, _: dict[int, Any]) -> Network:
+        # It remembers nothing, and a session has no copy.
+        return self
+
     def answer(self, numbers: Mapping[str, NDArray[np.float32]]) -> NDArray[Any]:
         """Its output."""
         [found] = self.session.run(None, {name: given.astype(self._types[name]) for name, given in numbers.items()})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from copy import deepcopy
 from collections.abc import Callable
 from typing import Any
 
@@ -22,9 +23,22 @@ Pedestrian = Callable[[NDArray[np.float32]], ArrayLike]
 def serve(choose: Pedestrian) -> None:
     """Answer the messages on the standard input until it ends. ``choose`` is called as :func:`falsify_av.evaluate` calls it.
 
+    One with memory, which has a method ``begin``, is copied for each world, since worlds ask by turns.
+
     What anything prints on the standard output meanwhile goes to the standard error.
     """
     out = answers()
+    walkers: dict[int, Any] = {}
+
+    def remembered(world: dict[str, Any], state: NDArray[np.float32]) -> NDArray[Any]:
+        if world["id"] not in walkers:
+            walkers[world["id"]] = deepcopy(choose)
+        walker = walkers[world["id"]]
+        if world["tick"] == 0:
+            walker.begin(np.ones(1, np.bool_))
+        action: NDArray[Any] = np.asarray(walker(state[None]))[0]
+        return action
+
     for line in sys.stdin:
         request = json.loads(line)
         if request["type"] == "hello":
@@ -32,7 +46,8 @@ def serve(choose: Pedestrian) -> None:
         else:
             worlds = request["worlds"]
             states = np.array([world["state"] for world in worlds], np.float32)
-            actions = np.asarray(choose(states), np.float64)
+            chosen = [remembered(*each) for each in zip(worlds, states)] if hasattr(choose, "begin") else choose(states)
+            actions = np.asarray(chosen, np.float64)
             answer = {"actions": [{"id": world["id"], "action": action.tolist()} for world, action in zip(worlds, actions)]}
         out.write(json.dumps(answer).encode() + b"\n")
         out.flush()

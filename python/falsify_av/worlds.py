@@ -82,6 +82,8 @@ def make_worlds(count: int, scenario: Files | None, seed: int, options: Mapping[
 def whole(what: str, number: Any) -> int:
     """A whole number, as it was given."""
     try:
+        if isinstance(number, (bool, np.bool_)):
+            raise TypeError
         return operator.index(number)
     except TypeError:
         raise TypeError(f"{what} is {number!r}, which is no whole number") from None

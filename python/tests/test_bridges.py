@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -153,3 +154,36 @@ def test_a_model_of_sumo_brakes_for_a_person_on_its_lane(model: str) -> None:
 def test_the_bridges_that_ship_are_files_of_the_package() -> None:
     folder = Path(sys.modules["falsify_av.bridges"].__file__ or "").parent
     assert all((folder / f"{name}.py").exists() for name in BRIDGES)
+
+
+#: Stands in for the module of a bridge: it prints when it is imported, and when it makes its world.
+LOUD = """
+import os, sys
+from importlib.machinery import ModuleSpec
+
+class Loud:
+    about = {"name": "loud"}
+
+    def find_spec(self, name, path=None, target=None):
+        return ModuleSpec(name, self) if name == "falsify_av.bridges.esmini" else None
+
+    def create_module(self, spec):
+        return None
+
+    def exec_module(self, module):
+        os.write(1, b"of C")
+        print("imported", flush=True)
+        module.world = lambda words: print("made", flush=True) or self
+
+sys.meta_path.insert(0, Loud())
+"""
+
+
+def test_what_a_simulator_prints_is_no_answer(tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(LOUD)
+    hello = json.dumps({"type": "hello", "protocol": "falsify-world/1"}) + "\n"
+    paths = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    command = [sys.executable, "-m", "falsify_av.bridges", "esmini"]
+    found = subprocess.run(command, input=hello, env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True)
+    assert json.loads(found.stdout) == {"protocol": "falsify-world/1", "name": "loud"}, found.stderr
+    assert all(said in found.stderr for said in ("of C", "imported", "made"))

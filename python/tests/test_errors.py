@@ -159,12 +159,17 @@ def test_ten_thousand_random_sequences_of_calls_raise_or_return(scenario):
     assert fine > 1000 and wrong > 1000, (fine, wrong)
 
 
-@pytest.mark.parametrize("number", [1.5, "3", None, [1]])
+@pytest.mark.parametrize("number", [1.5, "3", True, np.True_, None, [1]])
 def test_seeds_and_episodes_are_whole_numbers(scenario, number):
-    env = falsify_av.make(scenario, campaign="short", town="harbour", driver="blind", task="train")
+    choice = {"town": "harbour", "driver": "blind", "task": "train"}
+    env, vector = falsify_av.make(scenario, "short", **choice), falsify_av.make_vec(scenario, 2, "short", **choice)
     if number is not None:
-        with pytest.raises(TypeError, match="the seed is .*, which is no whole number"):
-            env.reset(seed=number)
+        for each, seed in [(env, number), (vector, [1, number])]:
+            with pytest.raises(TypeError, match="the seed is .*, which is no whole number"):
+                each.reset(seed=seed)
+        if not isinstance(number, list):
+            with pytest.raises(TypeError, match="the seed is .*, which is no whole number"):
+                vector.reset(seed=number)
     with pytest.raises(TypeError, match="the number of the episode is .*, which is no whole number"):
         env.reset(options={"episode": number})
     env.reset(seed=np.int64(3), options={"episode": np.int32(1)})

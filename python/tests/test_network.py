@@ -1,6 +1,9 @@
 """Networks in ONNX files: the files of the program's reports, and files that it refuses."""
 
 import csv
+import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +87,43 @@ def test_a_network_for_one_state_walks_in_many_worlds(scenario, tmp_path, kind):
     choice = {"campaign": "short", "town": "harbour", "driver": "blind", "task": "train"}
     many, alone = (falsify_av.evaluate(single, scenario, episodes=6, num_envs=worlds, **choice) for worlds in (6, 1))
     assert [row["digest"] for row in many] == [row["digest"] for row in alone]
+
+
+def test_a_served_pedestrian_with_memory_remembers_each_world(tmp_path):
+    file = network(tmp_path / "memory.onnx", {"states": [1, 8]}, 2)
+    mine = tmp_path / "mine.py"
+    mine.write_text(f"import falsify_av\nfalsify_av.pedestrians.serve(falsify_av.onnx({str(file)!r}))\n")
+    hello = {"type": "hello", "protocol": "falsify-pedestrian/1"}
+    # World, tick and the numbers of the state, which the network adds to those of the state before.
+    asked = [(0, 0, 1.0), (1, 0, 10.0), (0, 10, 2.0), (1, 10, 20.0), (0, 20, 3.0), (0, 0, 5.0), (1, 20, 30.0)]
+    steps = [{"type": "step", "worlds": [{"id": world, "tick": tick, "state": [number] * 4}]} for world, tick, number in asked]
+    steps.append({"type": "step", "worlds": [{"id": world, "tick": 30, "state": [0.0] * 4} for world in (1, 0)]})
+    said = "".join(json.dumps(message) + "\n" for message in [hello, *steps])
+    done = subprocess.run([sys.executable, str(mine)], input=said, capture_output=True, text=True)
+    answers = [json.loads(line) for line in done.stdout.splitlines()[1:]]
+    found = [(each["id"], each["action"]) for answer in answers for each in answer["actions"]]
+    sums = [(0, 4), (1, 40), (0, 12), (1, 120), (0, 20), (0, 20), (1, 200), (1, 120), (0, 20)]
+    assert found == [(world, [float(total)] * 2) for world, total in sums], done.stderr
+
+
+def test_the_shipped_pedestrian_is_served_to_a_campaign(program, tmp_path):
+    (tmp_path / "mine.py").write_text("import falsify_av\nfalsify_av.pedestrians.serve(falsify_av.hunter())\n")
+    (tmp_path / "a.scn").write_text(
+        'edition 1\nimport "std/pedestrians.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
+        "spawn ahead { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }\n"
+        "episode brief { hold: 10 ticks: 240 end_when: ahead < -6 m }\n"
+        f'pedestrian served = external(command: "{sys.executable} mine.py", files: ["mine.py"])\n'
+        "campaign a { vehicle: model3 body: pursuer spawn: ahead episode: brief\n"
+        "evaluate { towns: [harbour] drivers: [behavior] pedestrians: [hunter, served] episodes: 60 } }\n"
+    )
+    report = falsify_av.run(tmp_path / "a.scn", out=tmp_path / "out", allow_external=True)["a"].folder
+    with open(report / "episodes.csv", encoding="utf-8") as table:
+        outcomes = {name: [] for name in ("hunter", "served")}
+        for row in csv.DictReader(table):
+            outcomes[row["pedestrian"]].append(row["outcome"])
+    # The two runtimes have other last bits.
+    assert sum(one == other for one, other in zip(*outcomes.values())) >= 57
+    assert outcomes["served"].count("collision") >= 6
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 
+from ..answers import answers
 from . import BRIDGES, serve
 
 USAGE = "usage: python3 -m falsify_av.bridges [--missing] NAME [OPTIONS]"
@@ -23,6 +24,8 @@ def main(words: list[str]) -> int:
         print(missing, file=sys.stderr)
         return 3
     if not only_look:
+        # Some libraries print when they are imported.
+        answers()
         serve(import_module(f".{words[0]}", __package__).world(words[1:]))
     return 0
 
