@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from falsify_av.bridges import BRIDGES
+from falsify_av.bridges import BRIDGES, chosen
 from falsify_av.bridges.__main__ import main
 
 TICK = 0.05
@@ -95,6 +95,21 @@ def test_a_bridge_says_what_it_needs_and_what_it_is(name: str, capsys: pytest.Ca
     assert bridge.about["name"] == name and bridge.about["version"] and bridge.about["drivers"]
     places = bridge.loaded["lanes"]
     assert math.dist(places[0], (200.0, -51.75)) < 0.1 and math.dist(places[1], (300.0, -48.25)) < 0.1
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    ("mended=no", "mended=no is not valid: give mended without a value, once"),
+    ("substeps=0", "substeps=0 is not valid: give substeps=1..100, once"),
+    ("substeps=x", "substeps=x is not valid: give substeps=1..100, once"),
+    ("exact=no", "exact=no is not valid: give exact=WORD, one of speed, path, once"),
+    ("mended mended", "mended is not valid"),
+    ("mend", "metadrive has no option mend; it has mended, substeps, exact"),
+])  # fmt: skip
+def test_a_wrong_option_is_a_line_with_its_value_and_what_is_allowed(words: str, message: str) -> None:
+    options: dict[str, Any] = {"mended": None, "substeps": range(1, 101), "exact": ("speed", "path")}
+    assert chosen("metadrive", ["mended", "substeps=7"], **options) == {"mended": True, "substeps": 7}
+    with pytest.raises(SystemExit, match=message):
+        chosen("metadrive", words.split(), **options)
 
 
 def test_metadrive_carries_out_what_our_drivers_command() -> None:

@@ -44,6 +44,32 @@ class World(Protocol):
         """Move on one tick; the state after it."""
 
 
+#: What an option of a bridge may be: a word without a value, a whole number, one of some words, or any text, which is named.
+Kind = None | range | tuple[str, ...] | str
+
+
+def chosen(bridge: str, words: list[str], **kinds: Kind) -> dict[str, Any]:
+    """The values of the options that are given, `True` for one without a value; ends the program with a line for one that is wrong."""
+    found: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if name not in kinds:
+            raise SystemExit(f"{bridge} has no option {name}; it has {', '.join(kinds) or 'none'}")
+        kind = kinds[name]
+        if kind is None:
+            valid, form = not equals, f"{name} without a value"
+        elif isinstance(kind, range):
+            valid, form = value.isascii() and value.isdigit() and len(value) < 9 and int(value) in kind, f"{name}={kind[0]}..{kind[-1]}"
+        elif isinstance(kind, tuple):
+            valid, form = value in kind, f"{name}=WORD, one of {', '.join(kind)}"
+        else:
+            valid, form = value != "", f"{name}={kind}"
+        if not valid or name in found:
+            raise SystemExit(f"{bridge}: {word} is not valid: give {form}, once")
+        found[name] = True if kind is None else int(value) if isinstance(kind, range) else value
+    return found
+
+
 def state(x: float, y: float, yaw: float, speed: float, pedestrians: list[tuple[float, float]]) -> Message:
     """A state for an answer."""
     return {"ego": {"x": x, "y": y, "yaw": yaw, "speed": speed}, "pedestrians": pedestrians}

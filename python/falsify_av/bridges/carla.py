@@ -12,7 +12,7 @@ from typing import Any
 
 import carla
 
-from . import Message, state
+from . import Message, chosen, state
 
 CAR, WALKER = "vehicle.tesla.model3", "walker.pedestrian.0001"
 TIMEOUT = 60.0  # s: of a call of the client.
@@ -33,11 +33,8 @@ USED = {
 
 def world(words: list[str]) -> Carla:
     """The world for `python3 -m falsify_av.bridges carla WORDS`."""
-    options = dict(word.partition("=")[::2] for word in words)
-    unknown = sorted(set(options) - {"host", "port"})
-    if unknown:
-        raise SystemExit(f"carla has no option {', '.join(unknown)}; it has host=NAME, port=N")
-    return Carla(carla.Client(options.get("host", "127.0.0.1"), int(options.get("port", 2000))))
+    options = chosen("carla", words, host="NAME", port=range(1, 65536))
+    return Carla(carla.Client(options.get("host", "127.0.0.1"), options.get("port", 2000)))
 
 
 class Carla:

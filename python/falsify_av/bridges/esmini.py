@@ -14,7 +14,7 @@ import tempfile
 from ctypes import CDLL, POINTER, Structure, byref, c_char_p, c_double, c_int, c_uint32, c_void_p
 from pathlib import Path
 
-from . import Message, state
+from . import Message, chosen, state
 
 DRIVERS = ("Regulation", "ReferenceDriver", "RSS", "FSM")
 BEHIND = 0.35  # The point that esmini's simple vehicle moves is behind the middle of the wheelbase, by this share of it.
@@ -70,10 +70,7 @@ FUNCTIONS = {
 
 def world(words: list[str]) -> Esmini:
     """The world for `python3 -m falsify_av.bridges esmini WORDS`."""
-    options = dict(word.partition("=")[::2] for word in words)
-    path = options.pop("library", os.environ.get("FALSIFY_ESMINI_LIBRARY", ""))
-    if options:
-        raise SystemExit(f"esmini has no option {', '.join(sorted(options))}; it has library=PATH")
+    path = chosen("esmini", words, library="PATH").get("library", os.environ.get("FALSIFY_ESMINI_LIBRARY", ""))
     if not Path(path).is_file():
         raise SystemExit("esmini needs its library: scenarios/external/build_esmini.sh builds it; library=PATH or FALSIFY_ESMINI_LIBRARY names it")
     return Esmini(Path(path))

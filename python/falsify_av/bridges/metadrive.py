@@ -13,7 +13,7 @@ import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
-from . import Message, roads, state
+from . import Message, chosen, roads, state
 
 DRIVERS = ("IDMPolicy", "TrajectoryIDMPolicy", "ExpertPolicy")
 EXACT = ("speed", "path", "both")
@@ -22,14 +22,8 @@ SUBSTEPS = 5  # Physics steps of a tick.
 
 def world(words: list[str]) -> MetaDrive:
     """The world for `python3 -m falsify_av.bridges metadrive WORDS`."""
-    options = dict(word.partition("=")[::2] for word in words)
-    unknown = sorted(set(options) - {"mended", "substeps", "exact"})
-    if unknown:
-        raise SystemExit(f"metadrive has no option {', '.join(unknown)}; it has mended, substeps=N, exact=WHAT")
-    exact = options.get("exact")
-    if exact is not None and exact not in EXACT:
-        raise SystemExit(f"exact={exact} is not one of {', '.join(EXACT)}")
-    return MetaDrive("mended" in options, int(options.get("substeps", SUBSTEPS)), exact)
+    options = chosen("metadrive", words, mended=None, substeps=range(1, 101), exact=EXACT)
+    return MetaDrive("mended" in options, options.get("substeps", SUBSTEPS), options.get("exact"))
 
 
 class MetaDrive:

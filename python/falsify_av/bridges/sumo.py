@@ -13,7 +13,7 @@ from pathlib import Path
 
 import libsumo
 
-from . import Message, roads, state
+from . import Message, chosen, roads, state
 
 MODELS = ("EIDM", "IDM", "Krauss")
 OPTIONS = ["--no-step-log", "--no-warnings", "--collision.action", "none", "--time-to-teleport", "-1", "--pedestrian.model", "striping"]
@@ -24,8 +24,7 @@ EGO = "ego"
 
 def world(words: list[str]) -> Sumo:
     """The world for `python3 -m falsify_av.bridges sumo`."""
-    if words:
-        raise SystemExit(f"sumo has no option {words[0]}")
+    chosen("sumo", words)
     return Sumo()
 
 
