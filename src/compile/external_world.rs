@@ -9,11 +9,8 @@ use base::signature::{DeclarationId, Form, Keys, Value};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::av::NativeKeys;
-use world::env::{BridgeKeys, EpisodeRule, ExternalWorld};
+use world::env::{BridgeKeys, EpisodeRule, ExternalWorld, HERE};
 use world::road::Town;
-
-/// The word of our own simulator.
-pub const HERE: &str = "here";
 
 /// The form `world`.
 pub fn form() -> Form {

@@ -47,7 +47,7 @@ mod lower;
 mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
-pub use external_world::{HERE, Misfit, Staging};
+pub use external_world::{Misfit, Staging};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use jobs::*;
@@ -62,3 +62,4 @@ pub use reference::{block, key, short_key};
 pub use run_id::{NoRunId, RunId};
 pub use town::TownKind;
 pub use walker::WalkerKind;
+pub use world::env::HERE;

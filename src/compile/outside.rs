@@ -10,6 +10,7 @@ use lang::{Reader, diagnostics, reason};
 use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys};
+use world::env::{BridgeKeys, bridge_command};
 
 /// A program, if the user allows programs. It is not started here. Other arguments may have other parameters for it.
 pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
@@ -46,7 +47,9 @@ impl Lowering<'_> {
     pub fn allowed_program(&mut self, declaration: &Declaration) -> Option<(Program, Arc<dyn Opener>)> {
         let place = declaration.block.place("command");
         let ProgramKeys { command, files, .. } = &declaration.block.keys();
-        let program = match Program::parse(command, self.beside(declaration, "")) {
+        let is_bridge = declaration.kind == BridgeKeys::KIND;
+        let words = if is_bridge { bridge_command(command) } else { command.clone() };
+        let program = match Program::parse(&words, self.beside(declaration, "")) {
             Ok(program) => Program { files: files.clone().unwrap_or_default(), ..program },
             Err(reason) => {
                 self.said.push(diagnostics::unusable_command(place, command, reason));

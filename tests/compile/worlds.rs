@@ -112,14 +112,13 @@ fn each_fault_of_a_world_is_an_error_of_its_own() {
     let answer = Fault::Answer;
     for (fault, found) in [
         ("hang", Fault::Late { limit_ms: 2000 }),
-        ("late_start", Fault::Late { limit_ms: 4000 }),
+        ("late_start", Fault::LateStart { limit_ms: 4000 }),
         ("crash", Fault::Ended(Exit::Code(3))),
         ("nan", answer(NOT_FINITE)),
         ("infinite", answer(NOT_FINITE)),
         ("elsewhere", Fault::Moved { millimetres: 20 }),
         ("ends", Fault::EndedEarly),
         ("behind", answer("another tick than it was asked for")),
-        ("jumps", answer("the car is farther away than its speed allows")),
         ("nobody", answer("not one place for each pedestrian")),
         ("half", answer("an object with a key that is missing or there twice")),
         ("misplaced", answer("the car is not where, or not as fast as, it was told to be")),
@@ -136,6 +135,50 @@ fn each_fault_of_a_world_is_an_error_of_its_own() {
             assert!(!outcome.counts() && outcome.error().unwrap().starts_with("the world "), "{fault}");
         }
     }
+}
+
+#[test]
+fn a_car_that_does_not_move_by_its_speed_and_its_heading_is_an_error_of_each_episode() {
+    if !has_python() {
+        return;
+    }
+    for fault in ["kmh", "half_tick", "double_tick", "fast", "off", "lasting", "jumps", "degrees", "stuck_yaw"] {
+        let ended = episodes(&evaluations(&text(fault, "timeout: 60 s", "idm", "other"))[0], 6);
+        let moves = |fault| matches!(fault, Fault::Jumped { .. } | Fault::Way { .. } | Fault::Beside { .. });
+        let found = ended.iter().filter(|(outcome, _)| outcome.fault().is_some_and(moves)).count();
+        assert!(ended.iter().all(|(outcome, _)| outcome.fault().is_none_or(moves)), "{fault}: {ended:?}");
+        // A car that keeps to a heading of 0 shows no fault of headings.
+        assert!(if ["degrees", "stuck_yaw"].contains(&fault) { found > 0 } else { found == 6 }, "{fault}: {found}");
+    }
+}
+
+#[test]
+fn a_world_has_a_name_of_one_line_that_is_not_ours_and_drivers_that_differ() {
+    if !has_python() {
+        return;
+    }
+    for (fault, message) in [
+        ("here", "a `name` that is empty, longer than 60 bytes, of several lines, or `here`, our own simulator"),
+        ("nameless", "a `name` that is empty"),
+        ("two_lines", "a `name` that is empty"),
+        ("long_name", "a `name` that is empty"),
+        ("twins", "`drivers` of which one is there twice, empty, or of several lines"),
+        ("no_word", "`drivers` of which one is there twice"),
+    ] {
+        let said = format!("{:?}", compiled(&text(fault, "", "idm", "other")).diagnostics);
+        assert!(said.contains(message), "{fault}: {said}");
+    }
+}
+
+#[test]
+fn a_bridge_of_the_python_package_has_a_short_name() {
+    if !has_python() {
+        return;
+    }
+    // It refuses this option; without the package Python ends.
+    let named = text("", "", "idm", "other").replace("python3 world.py ", "esmini library=");
+    let said = format!("{:?}", compiled(&named).diagnostics);
+    assert!(said.contains("cannot use the command `esmini library=`: it ended before it answered"), "{said}");
 }
 
 #[test]

@@ -16,12 +16,15 @@ BRAKE = {"no_brake": 0.0, "weak_brake": 0.1}.get(FAULT, 1.0)
 
 
 class World(my_world.MyWorld):
-    ABOUT = {**my_world.MyWorld.ABOUT, "drivers": ["theirs", "blind"] if FAULT != "stranger" else [], "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0}.get(FAULT, 0.0), "seeds": FAULT != "unseeded"}
+    NAMES = {"here": "here", "nameless": " ", "two_lines": "a\nb", "long_name": "x" * 61}
+    DRIVERS = {"stranger": [], "twins": ["theirs", "theirs"], "no_word": ["theirs", ""]}
+    ABOUT = {**my_world.MyWorld.ABOUT, "name": NAMES.get(FAULT, "my_world"), "drivers": DRIVERS.get(FAULT, ["theirs", "blind"]), "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0}.get(FAULT, 0.0), "seeds": FAULT != "unseeded"}
 
     def load(self, message):
         super().load(message)
-        if FAULT == "half_tick":
-            self.tick /= 2
+        self.tick *= {"half_tick": 0.5, "double_tick": 2.0}.get(FAULT, 1.0)
+        if FAULT == "no_lanes":
+            return None
         shift = 0.3 if FAULT == "shifted" else 0.05
         lanes = [[x + shift, y] for x, y in message["lanes"]]
         return lanes[1:] if FAULT == "few_lanes" else lanes
@@ -49,30 +52,39 @@ class World(my_world.MyWorld):
 
     def state(self, tick):
         state = super().state(tick)
+        ego = state["ego"]
+        if tick > 0:
+            ego["speed"] *= 3.6 if FAULT == "kmh" else 1.0
+            ego["x"] += 0.45 if FAULT == "off" else 0.0
+            ego["yaw"] *= 180 / math.pi if FAULT == "degrees" else 1.0
         if tick < 3:
             return state
         if FAULT == "hang":
             time.sleep(3600)
-        if FAULT == "crash":
+        if FAULT == "crash" or (FAULT == "bad_driver" and self.native == "blind"):
             sys.exit(3)
+        if FAULT == "fast":
+            ego["speed"] += 1e6
+        if FAULT == "lasting":
+            ego["y"] += 0.4
         if FAULT == "nan":
-            state["ego"]["x"] = float("nan")
+            ego["x"] = float("nan")
         if FAULT == "null":
-            state["ego"]["speed"] = None
+            ego["speed"] = None
         if FAULT == "infinite":
-            state["ego"]["x"] = 1e999
+            ego["x"] = 1e999
         if FAULT in ("elsewhere", "tolerant"):
             state["pedestrians"][0][0] += 0.02
         if FAULT == "ends":
             state["end"] = True
         if FAULT == "stuck_yaw":
-            state["ego"]["yaw"] = self.first_yaw
+            ego["yaw"] = self.first_yaw
         if FAULT == "ends_near":
             state["end"] = math.dist((self.x, self.y), state["pedestrians"][0]) < 4.0
         if FAULT == "behind":
             state["tick"] -= 1
         if FAULT == "jumps":
-            state["ego"]["x"] += 3.0
+            ego["x"] += 3.0
         if FAULT == "nobody":
             state["pedestrians"] = []
         if FAULT == "half":

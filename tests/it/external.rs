@@ -180,7 +180,7 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
         }
     }
     let silent = outcomes("silent", "start_timeout: 200 ms");
-    assert_eq!(silent[0].fault(), Some(Fault::Late { limit_ms: 200 }));
+    assert_eq!(silent[0].fault(), Some(Fault::LateStart { limit_ms: 200 }));
     // The file exists, so it passes the check, but it cannot be run.
     let nobody = scenario("./driver.py --fast", "worlds: 2");
     let seed = Seed::root(5);

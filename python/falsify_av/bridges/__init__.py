@@ -1,6 +1,6 @@
 """Other simulators as worlds: the bridges that ship, and what serves a bridge.
 
-Each is a program that a scenario names, ``world metadrive = bridge(command: "python3 -m falsify_av.bridges metadrive")``, and that
+Each is a program that a scenario names, ``world metadrive = bridge(command: "metadrive")``, and that
 ``falsify check --world metadrive`` tries. ``docs/src/how-to/worlds.md`` says what each simulator is and can do, and
 ``docs/src/how-to/bridge.md`` describes the messages.
 """

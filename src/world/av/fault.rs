@@ -13,6 +13,12 @@ pub enum Fault {
         /// The time it had (ms).
         limit_ms: u32,
     },
+    /// It did not greet, load a town or begin an episode in time.
+    #[error("did not answer within {limit_ms} ms, its `start_timeout`")]
+    LateStart {
+        /// The time it had (ms).
+        limit_ms: u32,
+    },
     /// It ended, or closed its output.
     #[error("ended before it answered{0}")]
     Ended(Exit),
@@ -30,6 +36,31 @@ pub enum Fault {
     Moved {
         /// The distance between the two places (mm).
         millimetres: u32,
+    },
+    /// A world has moved the car to another place than its speed and its heading lead to in a tick.
+    #[error(
+        "put the car {millimetres} mm from where its `speed` and `yaw` lead in a tick: it jumps, or one of them or the length of its step is wrong"
+    )]
+    Jumped {
+        /// The distance between the two places (mm).
+        millimetres: u32,
+    },
+    /// The way of a car of a world is not the one that its speeds make.
+    #[error(
+        "moved the car {} m in an episode, and its `speed` makes {} m: that is not in m/s, or a step not a tick",
+        f64::from(*way) / 10.0, f64::from(*by_speed) / 10.0
+    )]
+    Way {
+        /// Its way (0.1 m).
+        way: u32,
+        /// The one that its speeds make (0.1 m).
+        by_speed: u32,
+    },
+    /// A car of a world moves beside its heading.
+    #[error("moves the car {degrees}° beside its `yaw`, which is its heading in rad, counter-clockwise from x")]
+    Beside {
+        /// The angle between motion and heading (°).
+        degrees: u32,
     },
     /// A world has lanes elsewhere than the town has.
     #[error("has lanes up to {millimetres} mm from those of the town")]
@@ -62,6 +93,16 @@ pub enum Fault {
         key: Word,
         number: Word,
     },
+}
+
+impl Fault {
+    /// The same fault while a program starts.
+    pub fn at_start(self) -> Self {
+        match self {
+            Self::Late { limit_ms } => Self::LateStart { limit_ms },
+            other => other,
+        }
+    }
 }
 
 /// The beginning of a word of a program, 24 bytes at most.

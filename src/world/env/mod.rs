@@ -59,7 +59,10 @@ pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, PolicyMaker, Vehi
 pub use component::Component;
 pub use criterion::Criterion;
 pub use driver_parts::{DriverParts, Setting};
-pub use external_world::{Abilities, BridgeKeys, ExternalWorld, LaneMatch, MapWriter, PROTOCOL as WORLD_PROTOCOL};
+pub use external_world::{
+    Abilities, BRIDGES, BridgeKeys, ExternalWorld, HERE, LaneMatch, MapWriter, PROTOCOL as WORLD_PROTOCOL,
+    bridge_command,
+};
 pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use local_simulation::LocalSimulation;

@@ -3,7 +3,6 @@ use std::sync::Arc;
 
 use super::{ControllerKind, Evaluation, STOCHASTIC, TRAINED, UNTRAINED};
 use crate::campaign::{PlaceKeys, StartKeys};
-use crate::external_world::HERE;
 use crate::grid::{Grid, Nested, of_places};
 use crate::jobs::{JobBlock, NO_REWARD, Origin, Training, TrainingKey};
 use crate::lowering::Lowering;
@@ -12,6 +11,7 @@ use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
 use lang::diagnostics;
 use lang::hir::Block;
+use world::env::HERE;
 use world::env::{RewardRule, Scenario};
 
 keys! {

@@ -68,9 +68,9 @@ impl Peer {
     ) -> Result<Box<dyn Link>, Fault> {
         let mut link = self.opener.open(&self.program)?;
         line.push(b'\n');
-        link.send(&line, self.start_timeout)?;
+        link.send(&line, self.start_timeout).map_err(Fault::at_start)?;
         line.clear();
-        link.line(&mut line, MAX_LINE)?;
+        link.line(&mut line, MAX_LINE).map_err(Fault::at_start)?;
         match greeted(&line) {
             Ok(()) => {
                 unknown_key(&line, keys).iter().for_each(|text| link.note(text));

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use super::message::{self, Begin, Body, Car, Load, Model, Moved, Pedals, Step, Walker, read_loaded, read_moved};
+use super::odometer::Odometer;
 use super::{ExternalWorld, LaneMatch, Loaded};
 use crate::av::Fault;
 use crate::av::external::Peer;
@@ -14,10 +15,8 @@ use base::seed::Seed;
 const MOVED: f64 = 0.01;
 /// How far the car may be from its start (m, rad, m/s) when an episode begins.
 const PLACED: f64 = 0.01;
-/// How much farther than by its speeds the car may get in a tick (m): contact and steep turns move its middle. More is a jump.
-const JUMP: f64 = 0.5;
 /// A car that is slower stands (m/s): on springs it is never quite at rest.
-const STANDING: f64 = 0.02;
+pub(super) const STANDING: f64 = 0.02;
 /// How far a lane of the world may be from that of the town (m).
 const LANES: f64 = 0.1;
 /// The distance between places on lanes (m), and their maximum number.
@@ -38,6 +37,8 @@ pub(in crate::env) struct Bridge {
     load: Vec<u8>,
     request: Vec<u8>,
     answer: Vec<u8>,
+    /// The motion of the car in the running episode.
+    odometer: Odometer,
 }
 
 impl Drop for Bridge {
@@ -52,7 +53,14 @@ impl Drop for Bridge {
 impl Bridge {
     /// Makes one. The program is not started before the first episode.
     pub fn new(world: Arc<ExternalWorld>) -> Self {
-        Self { world, peer: None, load: Vec::new(), request: Vec::new(), answer: Vec::new() }
+        Self {
+            world,
+            peer: None,
+            load: Vec::new(),
+            request: Vec::new(),
+            answer: Vec::new(),
+            odometer: Odometer::default(),
+        }
     }
 
     /// Places the actors of a world whose first tick comes next. If a driver of the other simulator drives, it gets a way that begins with the given
@@ -82,8 +90,9 @@ impl Bridge {
             route: driver.map_or_else(Vec::new, |(_, lanes)| route(&here.town, &ego.state.pose, lanes, seed)),
             pedestrians: walkers(here),
         };
-        let moved = self.ask(&begin, self.world.timeout.max(self.world.start_timeout), read_moved)?;
-        self.check(&moved, here)?;
+        let moved = self.ask(&begin, self.world.start_timeout, read_moved).map_err(Fault::at_start)?;
+        self.check(&moved, 0, here)?;
+        self.odometer = Odometer::default();
         let (pose, placed) = (ego.state.pose, moved.ego);
         let turned = wrap_angle(placed.yaw - pose.yaw);
         let off = [placed.x - pose.x, placed.y - pose.y, turned, placed.speed - ego.state.speed];
@@ -111,7 +120,8 @@ impl Bridge {
         let Some(peer) = &mut self.peer else { return Err(Fault::NotStarted) };
         peer.forgive();
         peer.ready(message::hello, &message::GREETING, |line| message::read_greeting(line).map(|_| ()))?;
-        let loaded = peer.exchange(&self.load, self.world.start_timeout, &mut self.answer, read_loaded)?;
+        let loaded = peer.exchange(&self.load, self.world.start_timeout, &mut self.answer, read_loaded);
+        let loaded = loaded.map_err(Fault::at_start)?;
         let Some(theirs) = loaded.lanes else { return Ok(None) };
         if theirs.len() != lanes.len() {
             return Err(Fault::Answer("not one place for each place on the lanes"));
@@ -150,21 +160,19 @@ impl Bridge {
             pedestrians: walkers(here),
         };
         let moved = self.ask(&step, self.world.timeout, read_moved)?;
-        if moved.tick != step.tick {
-            return Err(Fault::Answer("another tick than it was asked for"));
-        }
-        self.check(&moved, here)?;
+        self.check(&moved, step.tick, here)?;
         let Car { x, y, yaw, speed } = moved.ego;
-        let way = libm::hypot(x - state.pose.x, y - state.pose.y);
-        if way > speed.abs().max(state.speed.abs()) * here.dt + JUMP {
-            return Err(Fault::Answer("the car is farther away than its speed allows"));
-        }
         let speed = if speed.abs() < STANDING { 0.0 } else { speed };
-        Ok(VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age })
+        let moved = VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age };
+        self.odometer.add([state, &moved], (here.dt, car.wheelbase, self.tolerance()))?;
+        Ok(moved)
     }
 
-    /// Whether the episode goes on, with each pedestrian where it was told to be.
-    fn check(&self, moved: &Moved, here: &World) -> Result<(), Fault> {
+    /// Whether the episode goes on at this tick, with each pedestrian where it was told to be.
+    fn check(&self, moved: &Moved, tick: u32, here: &World) -> Result<(), Fault> {
+        if moved.tick != tick {
+            return Err(Fault::Answer("another tick than it was asked for"));
+        }
         if moved.end {
             return Err(Fault::EndedEarly);
         }
@@ -176,8 +184,15 @@ impl Bridge {
             libm::hypot(x - told.x, y - told.y)
         });
         let farthest = apart.fold(0.0, f64::max);
-        let tolerance = self.world.abilities.as_ref().map_or(0.0, |abilities| abilities.tolerance);
-        if farthest > tolerance.max(MOVED) { Err(Fault::Moved { millimetres: millimetres(farthest) }) } else { Ok(()) }
+        if farthest > self.tolerance().max(MOVED) {
+            return Err(Fault::Moved { millimetres: millimetres(farthest) });
+        }
+        Ok(())
+    }
+
+    /// How far from where it is told the world may place an actor (m).
+    fn tolerance(&self) -> f64 {
+        self.world.abilities.as_ref().map_or(0.0, |abilities| abilities.tolerance)
     }
 
     fn ask<T>(
@@ -247,6 +262,6 @@ fn places(town: &Town) -> Vec<[f64; 2]> {
     all.into_iter().step_by(stride).collect()
 }
 
-fn millimetres(metres: f64) -> u32 {
+pub(super) fn millimetres(metres: f64) -> u32 {
     (metres * 1000.0).round() as u32
 }

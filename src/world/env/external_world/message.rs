@@ -1,5 +1,7 @@
 //! The messages in JSON.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -11,6 +13,9 @@ use crate::sim::{Control, PedestrianState, VehicleState};
 /// Name and major version of the protocol. Keys may be added within a version; a program must ignore keys that it does not know.
 pub const PROTOCOL: &str = "falsify-world/1";
 
+/// The name of our own simulator, which no other one has.
+pub const HERE: &str = "here";
+
 /// The first message to a program.
 pub(super) fn hello() -> Vec<u8> {
     serde_json::to_vec(&serde_json::json!({ "type": "hello", "protocol": PROTOCOL }))
@@ -19,6 +24,9 @@ pub(super) fn hello() -> Vec<u8> {
 
 /// How far from where it is told a world may say that it places a pedestrian (m).
 const MAX_TOLERANCE: f64 = 0.5;
+
+/// Maximum length of its name (bytes).
+const MAX_NAME: usize = 60;
 
 /// What a program says that its simulator is and can do: its greeting.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -34,7 +42,7 @@ pub struct Abilities {
     /// Whether a driver of ours can drive its car.
     #[serde(default = "yes")]
     pub controls: bool,
-    /// How far from where it is told it may place a pedestrian (m), between 1 cm, the default, and half a metre.
+    /// How far from where it is told it may place a pedestrian, and by how much a car may jump in a tick (m), up to half a metre; 1 cm and 0.1 m without it.
     #[serde(default)]
     pub tolerance: f64,
     /// Whether the friction of the road can be set.
@@ -83,8 +91,23 @@ pub(super) fn read_greeting(line: &[u8]) -> Result<Abilities, Fault> {
         let why = "a `tolerance` that is not between 0 and 0.5: in m, how far from where it is told a pedestrian may be, and half a metre decides whether a car touches it";
         return Err(Fault::Greeting(why));
     }
-    let known = abilities.protocol == PROTOCOL;
-    known.then_some(abilities).ok_or(Fault::Greeting("another protocol than falsify-world/1"))
+    if abilities.protocol != PROTOCOL {
+        return Err(Fault::Greeting("another protocol than falsify-world/1"));
+    }
+    let is_word = |text: &String| !text.trim().is_empty() && !text.contains(char::is_control);
+    if !is_word(&abilities.name) || abilities.name.len() > MAX_NAME || abilities.name == HERE {
+        return Err(Fault::Greeting(
+            "a `name` that is empty, longer than 60 bytes, of several lines, or `here`, our own simulator",
+        ));
+    }
+    if !is_word(&abilities.version) {
+        return Err(Fault::Greeting("a `version` that is empty or of several lines: it is recorded"));
+    }
+    let drivers: BTreeSet<&String> = abilities.drivers.iter().collect();
+    if drivers.len() < abilities.drivers.len() || !drivers.into_iter().all(is_word) {
+        return Err(Fault::Greeting("`drivers` of which one is there twice, empty, or of several lines"));
+    }
+    Ok(abilities)
 }
 
 /// The place and motion of a car: middle of its box on the ground, heading, and speed along it.

@@ -10,6 +10,7 @@
 
 mod bridge;
 mod message;
+mod odometer;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -20,7 +21,7 @@ use crate::road::Town;
 use base::keys;
 
 pub(super) use bridge::Bridge;
-pub use message::{Abilities, PROTOCOL};
+pub use message::{Abilities, HERE, PROTOCOL};
 
 keys! {
     /// A program that bridges to another simulator over its standard input and output (`docs/src/how-to/worlds.md`): it loads the map, moves the car, and
@@ -30,6 +31,15 @@ keys! {
     }
     .explained("timeout", "Time that it has for a tick.")
     .explained("start_timeout", "Time that it has for its greeting, and for loading a town.")
+}
+
+/// The bridges of the Python package.
+pub const BRIDGES: [&str; 4] = ["metadrive", "sumo", "carla", "esmini"];
+
+/// The command of a bridge: that of the Python package if the text begins with a name of it, as `metadrive mended`, else the text.
+pub fn bridge_command(text: &str) -> String {
+    let is_known = text.split_whitespace().next().is_some_and(|name| BRIDGES.contains(&name));
+    if is_known { format!("python3 -m falsify_av.bridges {text}") } else { text.into() }
 }
 
 /// Writes the map of a town in OpenDRIVE; the error is the reason why it cannot, as a part of a sentence.
