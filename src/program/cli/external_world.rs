@@ -2,11 +2,7 @@ use std::sync::Arc;
 
 use super::input::map_writer;
 use world::av::external::{Opener, Program, ProgramKeys};
-use world::env::ExternalWorld;
-
-/// Starts a bridge of the Python package, and the bridges that it has.
-const PYTHON: &str = "python3 -m falsify_av.bridges";
-const BRIDGES: [&str; 4] = ["metadrive", "sumo", "carla", "esmini"];
+use world::env::{BRIDGES, ExternalWorld, bridge_command};
 
 /// The world of a bridge: a name of the Python package with options, or a command. It has these times for a tick, and for a greeting or a town (s).
 ///
@@ -17,12 +13,15 @@ pub fn external_world(
     opener: Arc<dyn Opener>,
     (timeout, start_timeout): (f64, f64),
 ) -> Result<ExternalWorld, String> {
-    let first = name.split_whitespace().next().unwrap_or_default();
-    let command = if BRIDGES.contains(&first) { format!("{PYTHON} {name}") } else { name.to_string() };
+    let command = bridge_command(name);
     let program = Program::parse(&command, ".".into())?;
     opener.find(&program).map_err(|reason| {
         let names = BRIDGES.join(", ");
-        if first == name { format!("{reason}; the bridges of the Python package are {names}") } else { reason }
+        if name.split_whitespace().count() == 1 {
+            format!("{reason}; the bridges of the Python package are {names}")
+        } else {
+            reason
+        }
     })?;
     let keys = ProgramKeys { command, files: None, version: None, timeout, start_timeout };
     ExternalWorld::new(program, &keys, opener, map_writer()).map_err(|fault| format!("it {fault}"))

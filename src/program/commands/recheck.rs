@@ -16,6 +16,7 @@ use crate::cli::failure::{failed, unwritten};
 use crate::cli::input::{Reporter, session};
 use crate::cli::progress::Showing;
 use crate::exit_code::{Ended, ExitCode};
+use crate::session::seconds;
 use driver_pairs::DriverPair;
 use results::report::{self, CrossedStarts, FailureChange, Recheck, RecheckNote, RecheckedFailures};
 
@@ -39,8 +40,8 @@ Examples:
   falsify recheck reports/my new.scn --fail-if 'still_faults > 0' --fail-if 'faults_new > 0'
                                              block what is not fixed, and what is new
 
-Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5 a driver, a controller or the world failed as a program
-  7 a --fail-if condition is true";
+Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5 a driver, a pedestrian or the world failed as a program
+  7 a --fail-if condition is true, and nothing failed as a program";
 
 /// Options of `falsify recheck`.
 #[derive(Debug, Args)]
@@ -61,6 +62,12 @@ pub struct RecheckArgs {
     /// Another simulator in which the new drivers drive: a name of the Python package, as metadrive, or the command of a bridge.
     #[arg(long, value_name = "WORLD")]
     pub world: Option<String>,
+    /// Time limit of the answer of `--world` to a tick, in seconds.
+    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = seconds, requires = "world")]
+    pub timeout: f64,
+    /// Time limit of its greeting, of loading a town and of the start of an episode, in seconds.
+    #[arg(long, default_value_t = 300.0, value_name = "SECONDS", value_parser = seconds, requires = "world")]
+    pub start_timeout: f64,
     /// Meet at most N faults, and N collisions that are no fault or near misses, of each driver in each town, spread evenly over the report. A near miss
     /// is an episode without a touch whose smallest gap is below 1 m. Without it all collisions are met.
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000))]
@@ -110,16 +117,16 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
         report::write_file(path, page.as_bytes()).map_err(unwritten)?;
         console::note(&path.display().to_string());
     }
-    let code = judge(&conditions, &recheck)?;
+    let judged = judge(&conditions, &recheck);
     let errors = recheck.errors();
-    if code == ExitCode::Done && errors > 0 {
+    if errors > 0 {
         console::fail(&format!(
             "a driver, a pedestrian or the world failed as a program in {}, which are left out; `falsify check` tries one",
             console::count(errors as usize, "episode")
         ));
         return Err(ExitCode::RunFailed);
     }
-    Ok(code)
+    judged
 }
 
 /// Judges a recheck and reports which conditions are true.

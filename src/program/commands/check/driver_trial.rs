@@ -39,7 +39,7 @@ pub struct TrialArgs {
     /// Time limit of the driver's answer to a tick, in seconds.
     #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds, requires = "tried")]
     pub timeout: f64,
-    /// Time limit of the driver's greeting, in seconds.
+    /// Time limit of the greeting; of a bridge also of loading a town and of the start of an episode; in seconds.
     #[arg(long, default_value_t = 30.0, value_name = "SECONDS", value_parser = seconds, requires = "tried")]
     pub start_timeout: f64,
     /// Show the driver's first messages.
@@ -204,8 +204,11 @@ pub(super) fn first_fault(outcomes: &[Outcome]) -> Option<String> {
 
 /// What a driver did wrong, and what helps.
 pub(super) fn told(fault: Fault) -> String {
-    let late = matches!(fault, Fault::Late { .. });
-    let help = if late { "; `--timeout` here, and `timeout` in a scenario, give it more time" } else { "" };
+    let help = match fault {
+        Fault::Late { .. } => "; `--timeout` here, and `timeout` in a scenario, give it more time",
+        Fault::LateStart { .. } => "; `--start-timeout` here gives it more time",
+        _ => "",
+    };
     format!("it {fault}{help}")
 }
 

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::driver_trial::{TrialArgs, failed, first_difference, first_fault, passed, proving_grounds, told};
-use super::manoeuvres::{heads_on, manoeuvres};
+use super::manoeuvres::manoeuvres;
 use super::{CheckArgs, for_people};
 use crate::cli::external_world::external_world;
 use crate::cli::failure::failed as no_files;
@@ -14,7 +14,7 @@ use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
 use base::seed::Seed;
 use world::av::{Cruise, CruiseKeys, DrivingPolicy, Native, NativeKeys};
-use world::env::{Outcome, PolicyMaker, Scenario, Trace, WORLD_PROTOCOL};
+use world::env::{Abilities, ExternalWorld, Outcome, PolicyMaker, Scenario, Trace, WORLD_PROTOCOL};
 use world::falsifier::{Random, evaluate_observed};
 
 /// Number of episodes.
@@ -34,34 +34,26 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
     let abilities = world.abilities.clone().expect("it was asked");
     passed(&format!("greets as {WORLD_PROTOCOL}: {} ({})", abilities.name, abilities.version));
     let [mut ground, _] = proving_grounds();
-    let native = abilities.drivers.first().cloned();
-    let usual: PolicyMaker = match (&native, abilities.controls) {
-        (Some(driver), false) => native_driver(driver.clone()),
-        (None, false) => return failed("has a driver of its own, or a car that a driver of ours drives"),
-        _ => Arc::new(|| Box::new(Cruise::new(CruiseKeys::default())) as Box<dyn DrivingPolicy>),
-    };
-    ground.cast.vehicles[0].policy = usual;
-    ground.external_world = Some(Arc::new(world));
-    let there = Arc::new(ground);
-
-    let (first, traces) = episodes(&there);
-    if let Some(reason) = first_fault(&first) {
-        return failed(&format!("runs {EPISODES} episodes to their end: {reason}"));
+    let world = Arc::new(world);
+    let ended = lanes(&world, &ground, "the town");
+    if ended != ExitCode::Done {
+        return ended;
     }
-    passed(&format!(
-        "has the lanes of the town, and runs {EPISODES} episodes to their end with pedestrians where they are told to be"
-    ));
-    if abilities.seeds {
-        if let Some(reason) = first_difference(&first, &episodes(&there).0) {
-            return failed(&format!("is the same when the same seeds come again: {reason}"));
+    ground.external_world = Some(world);
+    let ours = Arc::new(|| Box::new(Cruise::new(CruiseKeys::default())) as Box<dyn DrivingPolicy>) as PolicyMaker;
+    let ours = abilities.controls.then(|| ("a driver of ours".to_string(), ours));
+    let theirs = abilities.drivers.iter().map(|name| (format!("its driver `{name}`"), native_driver(name.clone())));
+    let drivers: Vec<(String, PolicyMaker)> = ours.into_iter().chain(theirs).collect();
+    if drivers.is_empty() {
+        return failed("has a driver of its own, or a car that a driver of ours drives");
+    }
+    for (who, policy) in drivers {
+        ground.cast.vehicles[0].policy = policy;
+        if let Err(reason) = drives(&Arc::new(ground.clone()), &who, &abilities) {
+            return failed(&reason);
         }
-        passed("is the same when the same seeds come again");
     }
-    if let Err(reason) = moves_by_its_speed(&traces, there.episode.tick) {
-        return failed(&format!("moves the car as its speed and its yaw say: {reason}"));
-    }
-    passed("moves the car as its speed and its yaw say");
-    let tried = if abilities.controls { manoeuvres(&there) } else { Vec::new() };
+    let tried = if abilities.controls { manoeuvres(&ground) } else { Vec::new() };
     for (what, found) in tried {
         match found {
             Ok(said) => passed(&format!("{what}: {said}")),
@@ -70,7 +62,7 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
     }
     let cannot = [
         ("cars that drivers of ours drive", abilities.controls),
-        ("drivers of its own", native.is_some()),
+        ("drivers of its own", !abilities.drivers.is_empty()),
         ("friction of the road", abilities.friction),
         ("traffic lights for its drivers", abilities.lights),
         ("seeds", abilities.seeds),
@@ -102,16 +94,44 @@ pub fn compare_lanes(options: &CheckArgs, name: &str) -> Ended {
         if !compared.insert((town, Arc::as_ptr(&scenario.town))) {
             continue;
         }
-        match world.lanes(scenario) {
-            Ok(Some(lanes)) => passed(&format!(
-                "has the lanes of {town}: {:.3} m apart on average and at most {:.3} m, at {} places",
-                lanes.mean, lanes.farthest, lanes.places
-            )),
-            Ok(None) => console::say(&format!("        it has no lanes to compare with those of {town}")),
-            Err(fault) => ended = failed(&format!("has the lanes of {town}: {}", told(fault))),
-        }
+        ended = ended.or(lanes(&world, scenario, town));
     }
     Ok(ended)
+}
+
+/// Compares the lanes of a world with those of a town.
+fn lanes(world: &Arc<ExternalWorld>, scenario: &Scenario, town: &str) -> ExitCode {
+    match world.lanes(scenario) {
+        Ok(Some(lanes)) => passed(&format!(
+            "has the lanes of {town}: {:.3} m apart on average and at most {:.3} m, at {} places",
+            lanes.mean, lanes.farthest, lanes.places
+        )),
+        Ok(None) => console::say(&format!("        the lanes of {town} are not compared: the bridge states no lanes")),
+        Err(fault) => return failed(&format!("has the lanes of {town}: {}", told(fault))),
+    }
+    ExitCode::Done
+}
+
+/// Lets a driver drive some episodes, and again from the same seeds.
+///
+/// # Errors
+/// What failed.
+fn drives(there: &Arc<Scenario>, who: &str, abilities: &Abilities) -> Result<(), String> {
+    let (first, traces) = episodes(there);
+    if let Some(reason) = first_fault(&first) {
+        return Err(format!("runs {EPISODES} episodes of {who} to their end: {reason}"));
+    }
+    passed(&format!("runs {EPISODES} episodes of {who} to their end, with everybody where they are told to be"));
+    if abilities.seeds {
+        if let Some(reason) = first_difference(&first, &episodes(there).0) {
+            return Err(format!("is the same when the same seeds come again: {reason}"));
+        }
+        passed("is the same when the same seeds come again");
+    }
+    moves_by_its_speed(&traces, there.episode.tick)
+        .map_err(|reason| format!("moves the car as its speed and its yaw say: {reason}"))?;
+    passed("moves the car as its speed and its yaw say");
+    Ok(())
 }
 
 fn native_driver(driver: String) -> PolicyMaker {
@@ -131,23 +151,19 @@ fn episodes(scenario: &Arc<Scenario>) -> (Vec<Outcome>, Vec<Trace>) {
     (ended, traces)
 }
 
-/// Compares the way of the car with what its speeds make, and its direction with its heading.
+/// Compares the way of the car in all episodes with what its speeds make, closer than an episode does.
 fn moves_by_its_speed(traces: &[Trace], dt: f64) -> Result<(), String> {
     let (mut way, mut expected) = (0.0, 0.0);
-    let pairs =
-        || traces.iter().flat_map(|trace| trace.vehicle(0).windows(2)).map(|pair| [pair[0].state, pair[1].state]);
-    for [before, after] in pairs() {
+    for pair in traces.iter().flat_map(|trace| trace.vehicle(0).windows(2)) {
+        let [before, after] = [pair[0].state, pair[1].state];
         way += (after.pose.position() - before.pose.position()).norm();
         expected += (before.speed + after.speed) / 2.0 * dt;
     }
-    let factor = way / expected.max(1e-9);
-    if expected < 1.0 {
-        return Err("the car hardly moves".into());
+    match way / expected.max(1e-9) {
+        _ if expected < 1.0 => Err("the car hardly moves".into()),
+        factor if (1.0 / BY_SPEED..BY_SPEED).contains(&factor) => Ok(()),
+        factor => Err(format!(
+            "it gets {factor:.2} times as far; its time step is not the tick of {dt} s, or its speed is not in m/s"
+        )),
     }
-    if (1.0 / BY_SPEED..BY_SPEED).contains(&factor) {
-        return heads_on(pairs());
-    }
-    Err(format!(
-        "it gets {factor:.2} times as far; its time step is not the tick of {dt} s, or its speed is not in m/s"
-    ))
 }

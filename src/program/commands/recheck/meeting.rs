@@ -98,8 +98,9 @@ impl Session {
             }
         };
         let is_old_there = reason.is_none();
+        let times = (options.timeout, options.start_timeout);
         let notes = reason.map(|reason| RecheckNote::OldDriverGone { reason }).into_iter().collect();
-        let world = options.world.as_deref().map(opened).transpose()?;
+        let world = options.world.as_deref().map(|name| opened(name, times)).transpose()?;
         Ok((Sides { old, is_old_there, new, world }, notes))
     }
 
@@ -116,13 +117,10 @@ impl Session {
     }
 }
 
-/// Times of another simulator for a tick, and for its start (s).
-const WORLD_TIMES: (f64, f64) = (10.0, 300.0);
-
 /// The other simulator with a name or a command, which the user allows by naming it.
-fn opened(name: &str) -> Result<Arc<ExternalWorld>, Error> {
+fn opened(name: &str, times: (f64, f64)) -> Result<Arc<ExternalWorld>, Error> {
     let opener = Arc::new(ProcessOpener::default().asking());
-    let world = external_world(name, opener, WORLD_TIMES);
+    let world = external_world(name, opener, times);
     world.map(Arc::new).map_err(|reason| Error::Usage(format!("cannot use the world `{name}`: {reason}")))
 }
 
