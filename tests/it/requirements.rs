@@ -381,7 +381,7 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         assert!((time - failure.length).abs() < 1e-9 && text.contains("decides"), "{time} {text} {failure:?}");
     }
     let stored = [&again, &other].map(|folder| StoredReport::open(folder).unwrap());
-    let side = |side: usize| Side { report: &stored[side], driver: None };
+    let side = |side: usize| Side { report: &stored[side], driver: None, world: None };
     let compared = compare_reports(side(0), side(1)).unwrap();
     let violation = CountedEvent { figure: Figure::Collision, requirement: Some("slow_pass".into()) };
     let slow_pass = compared.changed(&violation);
@@ -508,7 +508,7 @@ fn a_comparison_has_no_rate_of_a_requirement_that_never_applied() {
     };
     let report = session.run(&options).unwrap().reports().next().unwrap().folder.clone();
     let stored = StoredReport::open(&report).unwrap();
-    let side = || Side { report: &stored, driver: None };
+    let side = || Side { report: &stored, driver: None, world: None };
     let compared = compare_reports(side(), side()).unwrap();
     let place = compared.events.iter().position(CountedEvent::is_violation).unwrap();
     for cell in &compared.cells {

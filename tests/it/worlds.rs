@@ -34,6 +34,7 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
     let (code, text) = check(&format!("python3 {}", top("scenarios/external/my_world.py")));
     assert_eq!(code, Some(0), "{text}");
     assert!(text.contains("ok    leaves collisions to us") && text.contains("it has no drivers of its own"), "{text}");
+    assert!(text.contains("the lanes of the town are not compared: the bridge states no lanes"), "{text}");
     let (code, text) = check(&format!("python3 {} unseeded", top("tests/external/world.py")));
     assert!(
         code == Some(0) && text.contains("it has no friction of the road, no traffic lights for its drivers, no seeds"),
@@ -41,7 +42,11 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
     );
     for (fault, message) in [
         ("mirrored", "steer and yaw are positive to the left, y is north"),
-        ("half_tick", "it gets 0.50 times as far; its time step is not the tick of 0.05 s"),
+        ("half_tick", "from where its `speed` and `yaw` lead in a tick"),
+        ("kmh", "from where its `speed` and `yaw` lead in a tick"),
+        ("off", "from where its `speed` and `yaw` lead in a tick"),
+        ("bad_driver", "runs 4 episodes of its driver `blind` to their end: in episode 0 it ended before it answered"),
+        ("late_start", "2000 ms, its `start_timeout`; `--start-timeout` here gives it more time"),
         ("shifted", "it has lanes up to 300 mm from those of the town"),
         ("elsewhere", "it moved a pedestrian to 20 mm from where it was told"),
         ("ends", "it ended the episode before it was over"),
@@ -53,12 +58,14 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
         ("strong_steer", "on a circle of 13 m; with the wheelbase of our car that is one of 27 m"),
         ("no_brake", "after 80 ticks of full brake from 8.0 m/s it still drives 8.0 m/s"),
         ("weak_brake", "after 80 ticks of full brake from 8.0 m/s it still drives"),
-        ("stuck_yaw", "beside its `yaw`, on average"),
-        ("drifts", "after 60 ticks with its wheels straight it is 1.2 m to the left, turned by 0°"),
+        ("stuck_yaw", "beside its `yaw`"),
+        ("drifts", "with its brake on it gets 0.40 m away, turned by 0°"),
         ("ends_near", "collisions are judged from the poses that come back, so go on"),
         ("lax", "a `tolerance` that is not between 0 and 0.5"),
     ] {
-        let (code, text) = check(&format!("python3 {} {fault}", top("tests/external/world.py")));
+        let command = format!("python3 {} {fault}", top("tests/external/world.py"));
+        let limit = if fault == "late_start" { "2" } else { "60" };
+        let (code, text) = said(&["check", "--world", &command, "--start-timeout", limit], place.path());
         assert!(code == Some(5) && text.contains(message), "{fault}: {text}");
     }
     let file = place.path().join("towns.scn");
@@ -92,6 +99,9 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let (code, text) = said(&["run", "--allow-external", "--out", "out", "two.scn"], place.path());
     assert_eq!(code, Some(0), "{text}");
     let report = place.path().join("out/two_worlds");
+    for text in [text, std::fs::read_to_string(report.join("summary.md")).unwrap()] {
+        assert!(text.contains("fault, here (95 %)") && text.contains("fault, mine (95 %)"), "side by side: {text}");
+    }
     let table = std::fs::read_to_string(report.join("episodes.csv")).unwrap();
     let column = table.lines().next().unwrap().split(',').position(|name| name == "world").unwrap();
     let worlds = |name: &str| table.lines().filter(|row| row.split(',').nth(column) == Some(name)).count();
@@ -102,6 +112,12 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
         let has = |name: &str| table.lines().any(|row| row.split(',').nth(column) == Some(name));
         assert!(has("here") && has("mine"), "{table}");
     }
+    let compare = |other: &str| said(&["compare", "out/two_worlds", "--worlds", "here", other], place.path());
+    let (code, text) = compare("mine");
+    assert!(code == Some(0) && text.contains("idm in harbour (here and mine), intercept: 30 common starts"), "{text}");
+    assert!(text.contains("Failures: 0 new, 0 fixed, "), "our kinematics: {text}");
+    let (code, text) = compare("moon");
+    assert!(code == Some(2) && text.contains("no episodes in a simulator `moon`; it has here, mine"), "{text}");
     let (_, listed) = said(&["failures", "out/two_worlds"], place.path());
     assert!(listed.lines().next().unwrap().contains("world") && listed.contains(" mine"), "{listed}");
     let (_, listed) = said(&["failures", "out/two_worlds", "--format", "json"], place.path());
@@ -131,10 +147,18 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let sum = |column: &str| rows.iter().map(|row| row[column].as_u64().unwrap()).sum::<u64>();
     assert!(sum("old_faults") <= 1 && sum("failures") == sum("old_faults") + 1, "one near miss: {rows:?}");
     assert_eq!((sum("turned_faults"), sum("failed_encounters")), (0, 0), "our kinematics: {rows:?}");
+    let crossed = falsify(&[&arguments[..], &["--starts", "1"]].concat(), place.path());
+    let crossed: serde_json::Value = serde_json::from_slice(&crossed.stdout).unwrap();
+    let row = &crossed["crossings"][0];
+    assert_eq!((&row["world"], &row["starts"]), (&"my_world".into(), &1.into()), "{row}");
+    assert_eq!((&row["faults_new"], &row["faults_fixed"]), (&0.into(), &0.into()), "our kinematics: {row}");
     let crash = format!("python3 {} crash", top("tests/external/world.py"));
-    let (code, text) = said(&["recheck", "--allow-external", "out/two_worlds", "--world", &crash], place.path());
-    let reason = "failed as a program; first in ";
-    assert!(code == Some(5) && text.contains(reason) && text.contains("with exit code 3"), "{text}");
+    for gate in [&[][..], &["--fail-if", "failed_encounters > 0"], &["--fail-if", "still_faults > 99"]] {
+        let arguments = [&["recheck", "--allow-external", "out/two_worlds", "--world", &crash], gate].concat();
+        let (code, text) = said(&arguments, place.path());
+        let reason = "failed as a program; first in ";
+        assert!(code == Some(5) && text.contains(reason) && text.contains("with exit code 3"), "{gate:?}: {text}");
+    }
     let rails = format!("python3 {} rails", top("tests/external/world.py"));
     let (code, text) = said(&["recheck", "--allow-external", "out/two_worlds", "--world", &rails], place.path());
     let reason =
@@ -142,6 +166,27 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     assert!(code == Some(2) && text.contains(reason), "{text}");
     let (code, text) = said(&[&arguments[..], &["--only", "1a2b3c4d:0"]].concat(), place.path());
     assert!(code == Some(2) && text.contains("has no collision and no near miss 1a2b3c4d:0"), "{text}");
+}
+
+#[test]
+fn a_log_says_how_far_a_slow_world_is() {
+    if !has_python() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
+    let command = format!("command: \"python3 {} hang\", timeout: 12 s)\n///", top("tests/external/world.py"));
+    let (before, after) =
+        scenario.replace("../lib", "std").split_once("command: ").map(|(a, b)| (a.to_string(), b.to_string())).unwrap();
+    let after =
+        after.split_once("///").unwrap().1.replace("episodes: 20", "episodes: 1").replace("[here, mine]", "[mine]");
+    std::fs::write(place.path().join("slow.scn"), before + &command + &after).unwrap();
+    let (code, text) = said(&["run", "--allow-external", "--out", "out", "slow.scn"], place.path());
+    assert!(
+        code == Some(5)
+            && text.contains("[0/1] trying intercept in harbour of mine against idm, run 0: 0 of 1 episodes (1"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use clap::Args;
 
-use super::progress::{Counting, Showing};
+use super::progress::{Counting, Showing, heartbeat};
 use super::{console, failure, interrupt, network_trial};
 use crate::session::{Event, Input, Observer, Session, Stage};
 use compile::Catalog;
@@ -77,13 +77,19 @@ pub fn session(allow_external: bool) -> Session {
 pub struct Reporter {
     showing: Showing,
     /// The stage that is under way, with its progress.
-    stage: Mutex<Option<(Stage, Counting)>>,
+    stage: Arc<Mutex<Option<(Stage, Counting)>>>,
 }
 
 impl Reporter {
     /// With this form of the progress.
     pub fn new(showing: Showing) -> Self {
-        Self { showing, stage: Mutex::new(None) }
+        let stage = Arc::default();
+        if showing != Showing::None {
+            heartbeat(&stage, |shown: &mut Option<(Stage, Counting)>| {
+                shown.iter_mut().for_each(|(_, counting)| counting.beat())
+            });
+        }
+        Self { showing, stage }
     }
 
     /// Removes the progress.

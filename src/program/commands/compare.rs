@@ -29,6 +29,8 @@ pub const EXAMPLES: &str = "\
 Examples:
   falsify compare old/my new/my              two reports: rates, and which failures are new, fixed, the same
   falsify compare reports/my --drivers v1 v2 two drivers of one report
+  falsify compare reports/my --worlds here metadrive
+                                             two simulators of one report: rates from the same starts
   falsify compare old/my new/my --page diff.html
                                              a page with both episodes of a change side by side
   falsify compare old/my new/my --fail-if 'fault_rate_p_holm < 0.05 and fault_rate_difference > 0'
@@ -41,12 +43,15 @@ Exit codes: 0 done   2 no report, or nothing can be compared   7 a --fail-if con
 /// Options of `falsify compare`.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// The report before and the report after; one report with --drivers.
+    /// The report before and the report after; one report with --drivers or --worlds.
     #[arg(required = true, num_args = 1..=2, value_name = "REPORT")]
     pub reports: Vec<PathBuf>,
     /// The driver before and the one after.
     #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"])]
     pub drivers: Option<Vec<String>>,
+    /// The simulator before and the one after.
+    #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"])]
+    pub worlds: Option<Vec<String>>,
     /// Form of the output; `json` is one object.
     #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
     pub format: Form,
@@ -81,13 +86,14 @@ pub fn tables(conditions: &[String]) -> [TableReference; 2] {
 /// `falsify compare`
 pub fn compare(options: &CompareArgs) -> Ended {
     let conditions = Condition::parse_all(&options.fail_if, &tables(&options.fail_if), "comparison")?;
-    let reports = match (options.reports.as_slice(), &options.drivers) {
-        ([before, after], _) => [before.clone(), after.clone()],
-        ([one], Some(_)) => [one.clone(), one.clone()],
-        _ => return Err(misused("name two reports, or one report and --drivers BEFORE AFTER")),
+    let two = |names: &Option<Vec<String>>| names.clone().and_then(|names| <[String; 2]>::try_from(names).ok());
+    let [drivers, worlds] = [two(&options.drivers), two(&options.worlds)];
+    let reports = match options.reports.as_slice() {
+        [before, after] => [before.clone(), after.clone()],
+        [one] if drivers.is_some() || worlds.is_some() => [one.clone(), one.clone()],
+        _ => return Err(misused("name two reports, or one report and --drivers or --worlds BEFORE AFTER")),
     };
-    let drivers = options.drivers.as_ref().and_then(|names| <[String; 2]>::try_from(names.clone()).ok());
-    let comparison = compared(&reports, drivers.as_ref()).map_err(failed)?;
+    let comparison = compared(&reports, [drivers.as_ref(), worlds.as_ref()]).map_err(failed)?;
     match options.format {
         Form::Text => {
             let text = report::change_text(&report::comparison_report(&comparison), MAX_SHOWN, console::width());
@@ -153,19 +159,19 @@ pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
     condition::judge(conditions, [cells, searches], "comparison")
 }
 
-/// Compares two reports, or two drivers, over the starts that they share.
+/// Compares two reports, or two drivers, or two simulators, over the starts that they share.
 ///
 /// # Errors
 /// A report cannot be read, or nothing can be compared.
-pub fn compared(reports: &[PathBuf; 2], drivers: Option<&[String; 2]>) -> Result<ReportComparison, Error> {
+pub fn compared(reports: &[PathBuf; 2], chosen: [Option<&[String; 2]>; 2]) -> Result<ReportComparison, Error> {
     let [before, after] = [StoredReport::open(&reports[0])?, StoredReport::open(&reports[1])?];
     for report in [&before, &after] {
         report.check_manifest()?;
         report.check_tables()?;
     }
-    let driver = |side: usize| drivers.map(|drivers| drivers[side].as_str());
-    let first = Side { report: &before, driver: driver(0) };
-    let second = Side { report: &after, driver: driver(1) };
+    let [driver, world] = chosen.map(|names| move |side: usize| names.map(|names| names[side].as_str()));
+    let first = Side { report: &before, driver: driver(0), world: world(0) };
+    let second = Side { report: &after, driver: driver(1), world: world(1) };
     report::compare_reports(first, second).map_err(|error| Error::Usage(error.to_string()))
 }
 

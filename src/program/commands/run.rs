@@ -12,7 +12,7 @@ use clap::{Args, ValueEnum};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::{GivenArgs, session};
 use crate::cli::output::Output;
-use crate::cli::progress::{EventLine, Progress, Showing};
+use crate::cli::progress::{EventLine, Progress, Showing, heartbeat};
 use crate::cli::{console, failure, interrupt};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{
@@ -114,7 +114,9 @@ impl RunArgs {
 
     /// The observer of a run with these options.
     pub fn reporter(&self) -> RunReporter {
-        RunReporter { output: self.format, showing: self.progress, details: self.details, progress: Mutex::default() }
+        let progress = Arc::default();
+        heartbeat(&progress, |progress: &mut Option<Progress>| progress.iter_mut().for_each(Progress::beat));
+        RunReporter { output: self.format, showing: self.progress, details: self.details, progress }
     }
 }
 
@@ -221,7 +223,7 @@ pub struct RunReporter {
     /// Whether all tables are printed.
     details: bool,
     /// The progress of the tasks that are under way.
-    progress: Mutex<Option<Progress>>,
+    progress: Arc<Mutex<Option<Progress>>>,
 }
 
 impl Observer for RunReporter {

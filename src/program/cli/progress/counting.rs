@@ -7,7 +7,7 @@ use super::showing::Showing;
 use crate::cli::console;
 
 /// Least time between two lines in a log.
-const LINE: Duration = Duration::from_secs(10);
+pub(super) const LINE: Duration = Duration::from_secs(10);
 
 /// Shows how many episodes of a stage of known size are done: a bar on a terminal, a line now and then elsewhere.
 #[derive(Debug)]
@@ -38,6 +38,11 @@ impl Counting {
         });
         let now = Instant::now();
         Self { doing, bar, lines: lines && all > 0, began: now, last: now, done: 0, all }
+    }
+
+    /// Says how far it is, if nothing was said for a while.
+    pub fn beat(&mut self) {
+        self.reach(self.done);
     }
 
     /// Notes a number of finished episodes; an older, smaller number is passed over.

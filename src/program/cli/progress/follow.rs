@@ -8,6 +8,7 @@ use indicatif::HumanCount;
 
 use super::bars::Bars;
 use super::board::Board;
+use super::counting::LINE;
 use super::event_line::{About, EventLine};
 use super::job::Job;
 use super::showing::Showing;
@@ -40,6 +41,8 @@ pub struct Progress {
     glances: u64,
     /// Time of the next one, since the start of the campaign.
     next: Duration,
+    /// Time of the last line, since then.
+    said: Duration,
 }
 
 impl Progress {
@@ -73,6 +76,7 @@ impl Progress {
             depends: depends(campaign),
             glances: 0,
             next: Duration::ZERO,
+            said: Duration::ZERO,
         }
     }
 
@@ -110,6 +114,28 @@ impl Progress {
         }
     }
 
+    /// In a log, says how far a job is if nothing was said for a while; in a long run for a tenth of its time.
+    pub fn beat(&mut self) {
+        let now = self.board.began.elapsed();
+        let mut under_way = self.board.jobs.iter().filter(|job| job.is_under_way());
+        let Some(job) = under_way.next().filter(|_| self.lines && now >= self.said + LINE.max(now / 10)) else {
+            return;
+        };
+        let more = under_way.count();
+        let more = if more > 0 { format!("; {more} more under way") } else { String::new() };
+        console::note(&format!(
+            "{} {} {}: {} of {} {} ({:.1} s){more}",
+            place(&self.board),
+            job.kind.doing[0],
+            job.name,
+            HumanCount(job.done()),
+            HumanCount(job.total),
+            job.kind.unit,
+            now.as_secs_f64()
+        ));
+        self.said = now;
+    }
+
     /// Ends a task; with the last one of a job comes what came of the job.
     fn end(&mut self, task: Task, error: Option<String>) {
         if !self.board.job(task).end_task(error) {
@@ -138,7 +164,10 @@ impl Progress {
         match &self.bars {
             // On a terminal the many evaluations would push everything else away.
             Some(bars) if error.is_some() || (!job.kind.has_episodes && !quiet) => bars.say(&line()),
-            None if error.is_some() || (self.lines && !quiet) => console::note(&line()),
+            None if error.is_some() || (self.lines && !quiet) => {
+                console::note(&line());
+                self.said = self.board.began.elapsed();
+            }
             _ => {}
         }
         self.glance();
@@ -218,11 +247,15 @@ fn depends(campaign: &Campaign) -> String {
 
 /// The line of a job that has ended, with what came of it.
 fn line(board: &Board, job: &Job, note: &str) -> String {
-    let total = board.jobs.len();
-    let place = format!("[{:width$}/{total}]", board.ended(), width = total.to_string().len());
     let note = if note.is_empty() { String::new() } else { format!(": {note}") };
     let verb = job.kind.doing[usize::from(job.error.is_none())];
-    format!("{place} {verb} {}{note} ({})", job.name, pace(job))
+    format!("{} {verb} {}{note} ({})", place(board), job.name, pace(job))
+}
+
+/// How many jobs have ended, of how many.
+fn place(board: &Board) -> String {
+    let total = board.jobs.len();
+    format!("[{:width$}/{total}]", board.ended(), width = total.to_string().len())
 }
 
 /// How long a job took, and how fast it was.

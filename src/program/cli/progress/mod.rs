@@ -8,9 +8,11 @@ mod bars;
 mod event_line;
 mod follow;
 mod counting;
+mod heartbeat;
 
 pub use counting::Counting;
 pub use event_line::EventLine;
 pub use follow::Progress;
+pub use heartbeat::heartbeat;
 pub use learnt::Learnt;
 pub use showing::Showing;

@@ -63,7 +63,7 @@ impl GateArgs {
         let is_report = baseline.join("manifest.toml").is_file();
         let against = |report: &CampaignReport| -> Ended {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };
-            let comparison = compare::compared(&[before, report.folder.clone()], None).map_err(failed)?;
+            let comparison = compare::compared(&[before, report.folder.clone()], [None; 2]).map_err(failed)?;
             let text =
                 report::change_text(&report::comparison_report(&comparison), compare::MAX_SHOWN, console::width());
             match output {

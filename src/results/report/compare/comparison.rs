@@ -85,7 +85,7 @@ impl ReportComparison {
 pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportComparison, Incomparable> {
     let MatchedSearches { searches, apart } = compared_searches(before, after)?;
     let Matched { pairs, unmatched } = match matched(before, after) {
-        Err(Incomparable::NoRun { .. } | Incomparable::NoDriver { .. }) if !searches.is_empty() => {
+        Err(Incomparable::NoRun { .. } | Incomparable::NoSuch { .. }) if !searches.is_empty() => {
             Matched { pairs: Vec::new(), unmatched: [0; 2] }
         }
         other => other?,
@@ -281,7 +281,9 @@ impl ComparedCell {
         let before = &self.keys[0];
         let drivers = drivers(&self.keys.each_ref().map(|key| key.policy.clone()));
         let who = if before.is_of_reward() { before.who() } else { before.controller.clone() };
-        format!("{drivers} in {}, {who}", before.town)
+        let [here, there] = self.keys.each_ref().map(CellKey::simulator);
+        let worlds = if here == there { String::new() } else { format!(" ({here} and {there})") };
+        format!("{drivers} in {}{worlds}, {who}", before.town)
     }
 
     /// Whether it is about all untrained controllers.

@@ -5,12 +5,14 @@ use crate::record::RunKey;
 use crate::report::read::StoredRun;
 use crate::report::{ReadError, StoredReport};
 
-/// One side of a comparison: a report, or one driver of it.
+/// One side of a comparison: a report, or one driver, or one simulator, of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Side<'a> {
     pub report: &'a StoredReport,
     /// The driver; all of them without it.
     pub driver: Option<&'a str>,
+    /// The simulator; all of them without it.
+    pub world: Option<&'a str>,
 }
 
 /// Why two sides cannot be compared.
@@ -19,13 +21,15 @@ pub enum Incomparable {
     /// A table cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A report has no such driver.
-    #[error("`{report}` has no episodes of a driver `{driver}`; it has {}", known.join(", "), report = report.display())]
-    NoDriver {
+    /// A report has no such driver or simulator.
+    #[error("`{report}` has no episodes {of} `{name}`; it has {}", known.join(", "), report = report.display())]
+    NoSuch {
         /// The folder of the report.
         report: PathBuf,
-        driver: String,
-        /// The drivers that it has.
+        /// `of a driver`, or `in a simulator`.
+        of: &'static str,
+        name: String,
+        /// Those that it has.
         known: Vec<String>,
     },
     /// No run of one side is a run of the other.
@@ -58,9 +62,10 @@ pub(super) struct Matched<T> {
 pub(super) fn matched(before: Side<'_>, after: Side<'_>) -> Result<Matched<StoredRun>, Incomparable> {
     let (first, second) = (before.runs()?, after.runs()?);
     let renamed = is_renamed(&first, &second, |run| &run.key.cell.policy);
+    let moved = is_renamed(&first, &second, |run| &run.key.cell.world);
     let one_report = before.report.folder() == after.report.folder();
     let example = |runs: &[StoredRun]| runs.first().map_or(String::new(), |run| run.key.to_string());
-    let names = |run: &StoredRun| names(&run.key, renamed, one_report);
+    let names = |run: &StoredRun| names(&run.key, (renamed, moved), one_report);
     let last = second.iter().min_by_key(|run| names(run)).map_or(String::new(), |run| run.key.to_string());
     let examples = (example(&first), last);
     let found = paired(first, second, names);
@@ -82,7 +87,7 @@ pub(super) fn lone_drivers(before: Side<'_>, after: Side<'_>) -> Result<[Vec<Str
     Ok([named.difference(&other).cloned().collect(), other.difference(&named).cloned().collect()])
 }
 
-/// Whether each side has one driver, and they differ: it is the same one under two names, or two that the user compares.
+/// Whether each side has one driver, or one simulator, and they differ: it is the same one under two names, or two that the user compares.
 pub(super) fn is_renamed<T>(first: &[T], second: &[T], driver: impl Fn(&T) -> &String) -> bool {
     let drivers = |all: &[T]| all.iter().map(|each| driver(each).clone()).collect::<BTreeSet<_>>();
     let (named, other) = (drivers(first), drivers(second));
@@ -109,7 +114,7 @@ pub(super) fn paired<T, K: Ord>(first: Vec<T>, second: Vec<T>, key: impl Fn(&T) 
 }
 
 /// What two runs that belong together have in common. An untrained controller is the same for all rewards.
-fn names(key: &RunKey, renamed: bool, one_report: bool) -> String {
+fn names(key: &RunKey, (renamed, moved): (bool, bool), one_report: bool) -> String {
     let cell = &key.cell;
     let policy: &str = if renamed { "" } else { &cell.policy };
     // In two reports a renamed driver has pedestrians that were trained against it; in one report the pedestrian must be the same.
@@ -121,7 +126,7 @@ fn names(key: &RunKey, renamed: bool, one_report: bool) -> String {
         policy,
         &cell.vehicle,
         &cell.adversary,
-        &cell.world,
+        if moved { "" } else { &cell.world },
         &cell.controller,
         reward,
         &cell.train_town,
@@ -133,12 +138,19 @@ fn names(key: &RunKey, renamed: bool, one_report: bool) -> String {
 impl Side<'_> {
     fn runs(&self) -> Result<Vec<StoredRun>, Incomparable> {
         let mut runs = self.report.run_rows()?;
-        let Some(driver) = self.driver else { return Ok(runs) };
-        let known: BTreeSet<String> = runs.iter().map(|run| run.key.cell.policy.clone()).collect();
-        runs.retain(|run| run.key.cell.policy == driver);
-        if runs.is_empty() {
-            let (report, driver) = (self.report.folder().to_path_buf(), driver.to_string());
-            return Err(Incomparable::NoDriver { report, driver, known: known.into_iter().collect() });
+        let driver = |run: &StoredRun| run.key.cell.policy.clone();
+        let world = |run: &StoredRun| run.key.cell.simulator().to_string();
+        type NameOf<'f> = &'f dyn Fn(&StoredRun) -> String;
+        let chosen: [(Option<&str>, &str, NameOf<'_>); 2] =
+            [(self.driver, "of a driver", &driver), (self.world, "in a simulator", &world)];
+        for (name, of, name_of) in chosen {
+            let Some(name) = name else { continue };
+            let known: BTreeSet<String> = runs.iter().map(name_of).collect();
+            runs.retain(|run| name_of(run) == name);
+            if runs.is_empty() {
+                let (report, name) = (self.report.folder().to_path_buf(), name.to_string());
+                return Err(Incomparable::NoSuch { report, of, name, known: known.into_iter().collect() });
+            }
         }
         Ok(runs)
     }

@@ -12,6 +12,7 @@ use crate::report::aggregate::{BUDGET, METHOD, SEARCH_BLOCK};
 use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
 use crate::report::{FailureChange, ReadError, SideEnd};
+use compile::HERE;
 use world::falsifier::StartSet;
 use world::judge::Label;
 
@@ -77,7 +78,8 @@ pub(super) fn compared_searches(before: Side<'_>, after: Side<'_>) -> Result<Mat
 
 fn of_side(side: Side<'_>) -> Result<Vec<StoredSearch>, ReadError> {
     let mut searches = side.report.searches()?;
-    searches.retain(|search| side.driver.is_none_or(|driver| search.policy == driver));
+    let is_here = side.world.is_none_or(|world| world == HERE);
+    searches.retain(|search| is_here && side.driver.is_none_or(|driver| search.policy == driver));
     Ok(searches)
 }
 

@@ -3,6 +3,7 @@
 mod names;
 mod scale;
 mod drivers;
+mod worlds;
 mod protocol;
 mod results;
 mod published;
@@ -51,7 +52,14 @@ pub enum Group {
 const GROUPS: [(Group, &[SectionMaker]); 4] = [
     (
         Group::Rates,
-        &[drivers::drivers, protocol::protocol, results::results, published::published, requirements::requirements],
+        &[
+            drivers::drivers,
+            worlds::worlds,
+            protocol::protocol,
+            results::results,
+            published::published,
+            requirements::requirements,
+        ],
     ),
     (Group::Failures, &[avoidable::avoidable, distinct_failures::distinct_failures, cast::cast]),
     (Group::Comparisons, &[learnt::learnt, comparisons::comparisons, reference_drivers::reference_drivers]),
