@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_530),
     ("src/learn", 5_524),
-    ("src/world", 37_359),
+    ("src/world", 37_519),
     ("src/ported", 4_642),
     ("src/lang", 6_506),
-    ("src/compile", 8_162),
+    ("src/compile", 8_163),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_254),
-    ("src/program", 12_893),
-    ("tests", 28_774),
+    ("src/results", 26_347),
+    ("src/program", 12_980),
+    ("tests", 28_862),
 ];
 
 /// Crates that only some places may name.
