@@ -147,11 +147,6 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let sum = |column: &str| rows.iter().map(|row| row[column].as_u64().unwrap()).sum::<u64>();
     assert!(sum("old_faults") <= 1 && sum("failures") == sum("old_faults") + 1, "one near miss: {rows:?}");
     assert_eq!((sum("turned_faults"), sum("failed_encounters")), (0, 0), "our kinematics: {rows:?}");
-    let crossed = falsify(&[&arguments[..], &["--starts", "1"]].concat(), place.path());
-    let crossed: serde_json::Value = serde_json::from_slice(&crossed.stdout).unwrap();
-    let row = &crossed["crossings"][0];
-    assert_eq!((&row["world"], &row["starts"]), (&"my_world".into(), &1.into()), "{row}");
-    assert_eq!((&row["faults_new"], &row["faults_fixed"]), (&0.into(), &0.into()), "our kinematics: {row}");
     let crash = format!("python3 {} crash", top("tests/external/world.py"));
     for gate in [&[][..], &["--fail-if", "failed_encounters > 0"], &["--fail-if", "still_faults > 99"]] {
         let arguments = [&["recheck", "--allow-external", "out/two_worlds", "--world", &crash], gate].concat();
@@ -175,18 +170,39 @@ fn a_log_says_how_far_a_slow_world_is() {
     }
     let place = tempfile::tempdir().unwrap();
     let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
-    let command = format!("command: \"python3 {} hang\", timeout: 12 s)\n///", top("tests/external/world.py"));
-    let (before, after) =
-        scenario.replace("../lib", "std").split_once("command: ").map(|(a, b)| (a.to_string(), b.to_string())).unwrap();
-    let after =
-        after.split_once("///").unwrap().1.replace("episodes: 20", "episodes: 1").replace("[here, mine]", "[mine]");
-    std::fs::write(place.path().join("slow.scn"), before + &command + &after).unwrap();
+    let hang = format!("{} hang\", timeout: 12 s)", top("tests/external/world.py"));
+    let scenario = scenario.replace("my_world.py\", files: [\"my_world.py\"])", &hang).replace("../lib", "std");
+    let scenario = scenario.replace("episodes: 20", "episodes: 1").replace("[here, mine]", "[mine]");
+    std::fs::write(place.path().join("slow.scn"), scenario).unwrap();
     let (code, text) = said(&["run", "--allow-external", "--out", "out", "slow.scn"], place.path());
     assert!(
         code == Some(5)
             && text.contains("[0/1] trying intercept in harbour of mine against idm, run 0: 0 of 1 episodes (1"),
         "{text}"
     );
+}
+
+#[test]
+fn the_fixed_list_may_be_met_in_another_world() {
+    if !has_python() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
+    let scenario = scenario.replace("../lib", "std").replace("worlds: [here, mine]", "");
+    let brief = "episode brief { ticks: 60 }\ncampaign";
+    let scenario = scenario.replace("thirty_seconds", "brief").replacen("\ncampaign", &format!("\n{brief}"), 1);
+    std::fs::write(place.path().join("brief.scn"), scenario).unwrap();
+    std::fs::copy(top("scenarios/external/my_world.py"), place.path().join("my_world.py")).unwrap();
+    let (code, text) = said(&["run", "--allow-external", "--out", "out", "brief.scn"], place.path());
+    assert_eq!(code, Some(0), "{text}");
+    let world = format!("python3 {}", top("scenarios/external/my_world.py"));
+    let arguments =
+        ["recheck", "--allow-external", "out/two_worlds", "--world", &world, "--starts", "1", "--format", "json"];
+    let found: serde_json::Value = serde_json::from_slice(&falsify(&arguments, place.path()).stdout).unwrap();
+    let row = &found["crossings"][0];
+    assert_eq!((&row["world"], &row["starts"]), (&"my_world".into(), &1.into()), "{row}");
+    assert_eq!((&row["faults_new"], &row["faults_fixed"]), (&0.into(), &0.into()), "our kinematics: {row}");
 }
 
 #[test]

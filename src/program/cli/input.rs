@@ -86,7 +86,7 @@ impl Reporter {
         let stage = Arc::default();
         if showing != Showing::None {
             heartbeat(&stage, |shown: &mut Option<(Stage, Counting)>| {
-                shown.iter_mut().for_each(|(_, counting)| counting.beat())
+                shown.iter_mut().for_each(|(_, counting)| counting.beat());
             });
         }
         Self { showing, stage }
