@@ -55,7 +55,7 @@ class World(my_world.MyWorld):
         ego = state["ego"]
         if tick > 0:
             ego["speed"] *= 3.6 if FAULT == "kmh" else 1.0
-            ego["x"] += 0.45 if FAULT == "off" else 0.0
+            ego["x"] += {"off": 0.45, "aside": 0.15}.get(FAULT, 0.0)
             ego["yaw"] *= 180 / math.pi if FAULT == "degrees" else 1.0
         if tick < 3:
             return state

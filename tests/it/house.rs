@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_824),
     ("src/results", 26_347),
     ("src/program", 12_980),
-    ("tests", 28_879),
+    ("tests", 28_880),
 ];
 
 /// Crates that only some places may name.

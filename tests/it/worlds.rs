@@ -42,7 +42,7 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
     );
     for (fault, message) in [
         ("mirrored", "steer and yaw are positive to the left, y is north"),
-        ("half_tick", "from where its `speed` and `yaw` lead in a tick"),
+        ("half_tick", "that is not in m/s, or a step not a tick"),
         ("kmh", "from where its `speed` and `yaw` lead in a tick"),
         ("off", "from where its `speed` and `yaw` lead in a tick"),
         ("bad_driver", "runs 4 episodes of its driver `blind` to their end: in episode 0 it ended before it answered"),
@@ -59,7 +59,8 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
         ("no_brake", "after 80 ticks of full brake from 8.0 m/s it still drives 8.0 m/s"),
         ("weak_brake", "after 80 ticks of full brake from 8.0 m/s it still drives"),
         ("stuck_yaw", "beside its `yaw`"),
-        ("drifts", "with its brake on it gets 0.40 m away, turned by 0°"),
+        ("aside", "stands where it is put: it put the car 150 mm from where"),
+        ("drifts", "beside its `yaw`"),
         ("ends_near", "collisions are judged from the poses that come back, so go on"),
         ("lax", "a `tolerance` that is not between 0 and 0.5"),
     ] {
