@@ -3,8 +3,9 @@
     faults_later.py REPORT...
 
 A report is that of the campaign `later` in `faults.scn`, one for each seed. A fault is left if its `latest_reaction_s` is at least 1.40 s: the
-careful human of UN R157 has 1.15 s. A gate that opens at 2 s, not in time to stop, opens v / 2a - 0.25 s later; v is the speed at the gate, for
-which the speed at the touch is taken. So at most that much is left. Faults are *different* if their digests are.
+careful human of UN R157 has 1.15 s. A gate that opens at 2 s, not in time to stop, opens up to v / 2a - 0.25 s later (not at all, if the pedestrian
+comes on course after that), with v at the gate. The last column takes all of it and v at the touch: an estimate. Faults are *different* if their
+digests are.
 """
 
 import csv
@@ -48,13 +49,14 @@ def main(reports):
             different = {(row["run_id"], row["start_number"], row["digest"]) for row in all_of_them}
             found[driver].append((len(all_of_them), len(different), *injury))
     for driver, seeds in found.items():
-        total, different, now, *others = map(sum, zip(*seeds))
+        total, different, now, *_ = map(sum, zip(*seeds))
 
         def less(place):
-            each = ", ".join(f"{100 * (seed[place] / seed[2] - 1):.0f}" if seed[2] else "-" for seed in seeds)
-            return f"{100 * (others[place - 3] / now - 1):.0f} % ({each})" if now else "-"
+            sums = [[*map(sum, zip(*seeds))], *seeds]
+            return [f"{100 * (each[place] / each[2] - 1):.0f}" if each[2] else "-" for each in sums]
 
-        print(f"| `{driver}` | {total:,} | {different:,} | {now / len(seeds):.3f} | {less(3)} | {less(4)} |")
+        (later_all, *later), (gate, *_) = less(3), less(4)
+        print(f"| `{driver}` | {total:,} | {different:,} | {now / len(seeds):.3f} | {later_all} ({', '.join(later)}) | {gate} |")
 
 
 main(sys.argv[1:])
