@@ -95,7 +95,7 @@ impl Class {
             Self::Runner => {
                 "a careful human avoids it; the person was faster than 8 km/h and moved as runners and cyclists do"
             }
-            Self::Fault => "a careful human avoids it, and the pedestrian moved as people do",
+            Self::Fault => "a careful human avoids it clearly, and the pedestrian moved as people do, not into the car",
         }
     }
 }

@@ -22,7 +22,7 @@ pub(super) const COLLISION: &str = "collision";
 
 keys! {
     /// Shows with 95 % confidence how little of a box of starts can fail where its picture says that they pass. The box are the ranges of the spawn
-    /// rule, and for the target of a test also the speeds and headings of the adversary. Places on the road and all else that is drawn are chance.
+    /// rule, and for the target of a test also its speeds and headings. Places on the road and all else that is drawn are chance.
     pub struct CoverKeys = "cover" {
         ..places: PlaceKeys,
         // The catalogue adds the words.

@@ -1,11 +1,10 @@
 use super::{NOT_DONE, section};
 use crate::report::Findings;
-use crate::report::render::{Column, LEFT_OUT, Section, Table, Value};
+use crate::report::render::{Column, FAULT, LEFT_OUT, Section, Table, Value};
 
-/// What a fault is, in plain words.
-const FAULT: &str = "A collision is a *fault* if two careful human drivers in place of the driver, one of them 0.4 s faster, both avoid it with 0.1 m to spare from the \
-     instant at which the danger begins, if the pedestrian moved as people do, and if the car drove at 1 m/s or more and was not walked into. The careful human is that of UN Regulation 157, annex 3: \
-     0.4 s to evaluate the risk, 0.75 s to react, 0.6 s to full braking, and no harder than this car can brake.";
+/// Who the careful human of a fault is.
+const HUMAN: &str = "Two careful humans in place of the driver, one of them 0.4 s faster, both avoid a fault with 0.1 m to spare from the instant at which the danger begins. \
+     The careful human is that of UN Regulation 157, annex 3: 0.4 s to evaluate the risk, 0.75 s to react, 0.6 s to full braking, and no harder than this car can brake.";
 
 /// The question of the campaign, its drivers, and what must be known first.
 pub fn scope(found: &Findings<'_>) -> Section {
@@ -13,7 +12,7 @@ pub fn scope(found: &Findings<'_>) -> Section {
     let mut lead = vec![campaign.docs.join("\n")];
     lead.extend(found.cautions.iter().map(|caution| format!("**{caution}.**")));
     lead.extend(found.doubts.iter().map(|doubt| format!("**{doubt}.**")));
-    lead.push(FAULT.into());
+    lead.push(format!("{FAULT} {HUMAN}"));
     lead.push(LEFT_OUT.into());
     let row = |driver: &compile::Driver| {
         let sensors = driver.sensors.clone().unwrap_or_else(|| "none: it perceives exactly and without delay".into());

@@ -7,7 +7,7 @@ use super::markup::{count, percent, prose};
 use super::player_card::{PlayerCard, badge};
 use super::worst::card;
 use crate::failure::Failure;
-use crate::report::render::sections::{Scale, injury, place, who};
+use crate::report::render::sections::{FAULT, Scale, injury, place, who};
 use crate::report::render::svg::px;
 use crate::report::render::table::Section;
 use crate::report::{Cell, DriverResult, Findings, worst_failure};
@@ -53,7 +53,7 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
     };
     html! {
         p.note {
-            "A " b { "fault" } " is a collision that a careful human avoids, with a pedestrian who moves as people do. "
+            (prose(FAULT)) " "
             @if cells.is_empty() { "Rates are means over each driver’s searches." }
             @else { "Rates are of each driver’s worst pedestrian and town, and so are shares." }
         }

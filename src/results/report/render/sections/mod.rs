@@ -32,6 +32,9 @@ use super::table::Section;
 use crate::jobs::KINDS;
 use crate::report::Findings;
 
+/// What a fault is.
+pub const FAULT: &str = "A *fault* is a collision that a careful human clearly avoids, at 1 m/s or more, with a pedestrian who moves as people do and does not walk into the car.";
+
 /// Makes a section; `None` if the campaign has nothing for it.
 pub type SectionMaker = fn(&Findings<'_>) -> Option<Section>;
 

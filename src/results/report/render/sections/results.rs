@@ -6,8 +6,7 @@ use crate::report::{Cell, Findings};
 
 /// How to read the table.
 const READING: &str = "Rates are means over the runs: trainings of a trained pedestrian, seeds of another one. Intervals are Wilson's over the starts, which the runs share; they do \
-    not say what further trainings would show. In a collision the car moves. A *fault* is a collision that a careful human avoids, with a pedestrian who moves as people do. \
-    All pedestrians of a town and a driver meet the same starts. *Left out* (if there are any): share of the episodes that are in no rate, since the driver did not reach its \
+    not say what further trainings would show. In a collision the car moves. All pedestrians of a town and a driver meet the same starts. *Left out* (if there are any): share of the episodes that are in no rate, since the driver did not reach its \
     start or left the road before it could see a pedestrian. `metrics.csv` has all rates, with their spread over runs.";
 
 /// How often collisions and faults happen, with which pedestrians; `None` without an evaluation.
