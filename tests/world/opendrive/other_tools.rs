@@ -117,6 +117,20 @@ fn the_value_and_unit_of_a_speed_sign_come_before_its_subtype() {
     ] {
         assert_eq!(kmh(sign), limit, "{sign}");
     }
+    let said = |sign: &str| {
+        let signal = format!(r#"<signal id="7" type="274" s="50" t="-5" orientation="+" {sign}/>"#);
+        (kmh(sign), warnings(&with_signals("", &signal)).into_iter().next().unwrap_or_default())
+    };
+    let bad =
+        |value: &str, rest: &str| format!("the `value` of the speed sign is `{value}`, not a usable number{rest}");
+    let comma = bad("30,0", ": decimals are written with a point; its `subtype`, 70 km/h, is taken");
+    assert_eq!(said(r#"subtype="57" value="30,0" unit="km/h""#), (Some(70.0), comma));
+    for value in ["30 km/h", "0", "-30", "nan", "1e9"] {
+        let (with, without) = (format!(r#"subtype="50" value="{value}""#), format!(r#"subtype="-1" value="{value}""#));
+        assert_eq!(said(&with), (Some(50.0), bad(value, "; its `subtype`, 50 km/h, is taken")));
+        assert_eq!(said(&without), (None, bad(value, "; the sign is skipped")));
+    }
+    assert_eq!(said(r#"subtype="50" value="-1""#), (Some(50.0), String::new()));
     let knots = with_signals("", r#"<signal id="7" type="274" s="50" t="-5" value="60" unit="knots"/>"#);
     assert!(warnings(&knots)[0].starts_with("the unit `knots` of a speed limit"), "{:?}", warnings(&knots));
 }
@@ -218,6 +232,98 @@ fn lanes_that_deny_cars_are_not_driven() {
     }
 }
 
+/// Each sentence says what is wrong and what is taken; the last column is what counts.
+#[test]
+fn words_that_the_standard_does_not_have_are_named() {
+    let lane = |access: &str| {
+        let lanes =
+            LANES.replace(r#"<width a="3.5"/></lane></right>"#, &format!(r#"<width a="3.5"/>{access}</lane></right>"#));
+        map(&road(r#"id="1" length="300""#, &lanes, ""))
+    };
+    let unknown = |what: &str, taken: &str| format!("{what}, a word that the standard does not have: {taken}");
+    for (access, said, driven) in [
+        (
+            r#"<access rule="deny" restriction="cars"/>"#,
+            ("`restriction` of `access` is `cars`", "it is taken for no car"),
+            true,
+        ),
+        (
+            r#"<access rule="allow"><restriction type="auto"/></access>"#,
+            ("`type` of `restriction` is `auto`", "it is taken for no car"),
+            false,
+        ),
+        (
+            r#"<access rule="forbid" restriction="passengerCar"/>"#,
+            ("`rule` of `access` is `forbid`", "`deny` is taken"),
+            false,
+        ),
+    ] {
+        let map = lane(access);
+        assert!(warnings(&map).contains(&unknown(said.0, said.1)), "{access}: {:?}", warnings(&map));
+        let kind = parts(&map).roads[0].sections[0].lane(-1).unwrap().kind;
+        assert_eq!(kind == LaneKind::Driving, driven, "{access}");
+    }
+    let deny = r#"<access rule="deny" restriction="autonomous traffic"/>"#;
+    assert_eq!(warnings(&lane(deny)), ["cars do not drive on 1 × lane of type driving whose `access` denies cars"]);
+    for rule in ["left", "links", ""] {
+        let found = parts(&with_signals(&format!(r#"rule="{rule}""#), ""));
+        assert!(!found.roads[0].left_hand);
+        let said = unknown(&format!("`rule` of `road` is `{rule}`"), "traffic keeps to the right, as by `RHT`");
+        assert_eq!(found.warnings[0].problem.to_string(), said);
+    }
+    assert!(parts(&with_signals(r#"rule="lht""#, "")).roads[0].left_hand);
+    let light = r#"<signal id="7" type="1000001" dynamic="yes" s="297" t="-4" orientation="1"/>"#;
+    assert_eq!(stops(&with_signals("", light)).len(), 2);
+    let said = unknown("`orientation` of `signal` is `1`", "it counts in both directions");
+    assert_eq!(warnings(&with_signals("", light)), [said]);
+}
+
+/// A light that stops no car is named, whatever the reason, unless a reference puts it where it does.
+#[test]
+fn a_light_beside_no_driving_lane_is_named() {
+    let one_way = LANES.split("</left>").nth(1).unwrap();
+    let walk = r#"<right><lane id="-1" type="driving"><width a="3.5"/></lane><lane id="-2" type="sidewalk"><width a="2"/></lane></right>"#;
+    let light = |lanes: &str, at: &str, more: &str| {
+        let signals = format!(
+            r#"<signals><signal id="L7" type="1000001" dynamic="yes" s="290" t="-4" {at}</signal>{more}</signals>"#
+        );
+        let map = map(&road(r#"id="1" length="300""#, lanes, &signals));
+        (parts(&map).traffic_lights.len(), warnings(&map))
+    };
+    let lost = (0, vec!["not used: 1 × traffic light L7 beside no driving lane".to_owned()]);
+    assert_eq!(light(one_way, r#"orientation="-">"#, ""), lost);
+    assert_eq!(light(one_way, r#"orientation="+">"#, ""), (1, vec![]));
+    assert_eq!(light(LANES, r#"orientation="+"><validity fromLane="3" toLane="5"/>"#, ""), lost);
+    assert_eq!(light(LANES, r#"orientation="+"><validity fromLane="0" toLane="0"/>"#, ""), lost);
+    assert_eq!(light(walk, r#"orientation="+"><validity fromLane="-2" toLane="-2"/>"#, ""), lost);
+    let reference = r#"<signalReference id="L7" s="290" t="0" orientation="+"/>"#;
+    assert_eq!(light(LANES, r#"orientation="+"><validity fromLane="0" toLane="0"/>"#, reference), (1, vec![]));
+}
+
+#[test]
+fn a_road_without_lanes_at_its_start_says_so() {
+    let late = map(&road(r#"id="1" length="300""#, LANES, "")).replace(r#"laneSection s="0""#, r#"laneSection s="50""#);
+    assert_eq!(warnings(&late), ["the first lane section begins at 50 m; there are no lanes before it"]);
+    let found = parts(&late);
+    let drawn: Vec<_> = found.roads[0].sections.iter().map(|part| (part.start, part.end, part.lanes.len())).collect();
+    assert_eq!(drawn, [(0.0, 50.0, 0), (50.0, 300.0, 2)]);
+    let town = town(&late);
+    let driving = |x: f64| town.nearest_lane(Point::new(x, -1.75), world::road::LaneFilter::Driving).unwrap().s;
+    assert_eq!((driving(20.0), driving(120.0)), (50.0, 120.0));
+}
+
+/// A text that is cut short has its end as the place of the error.
+#[test]
+fn a_cut_file_says_where_it_ends() {
+    for cut in [5, BEND.len() / 2, BEND.len() - 12, BEND.len() - 4] {
+        let text = &BEND[..cut];
+        let error = read(text, "map").unwrap_err().to_string();
+        let column = 1 + text.rsplit('\n').next().unwrap().len();
+        let place = format!("(line {}, column {column})", 1 + text.matches('\n').count());
+        assert!(error.ends_with(&place), "{cut}: {error}");
+    }
+}
+
 #[test]
 fn other_ids_get_free_numbers() {
     let roads = |ids: &[&str]| {
@@ -227,6 +333,8 @@ fn other_ids_get_free_numbers() {
     let numbers = |ids: &[&str]| parts(&roads(ids)).roads.iter().map(|road| road.id).collect::<Vec<_>>();
     assert_eq!(numbers(&["West", "Ost", "0"]), [1, 2, 0]);
     assert_eq!(numbers(&["12345678901234567890", "1", "01", "-3", "0"]), [2, 1, 3, 4, 0]);
+    assert_eq!(numbers(&["01", "1", " 1"]), [0, 1, 2], "the one that is written as the number has it");
+    assert_eq!(numbers(&["01", "7"]), [1, 7]);
     let said = warnings(&roads(&["West", "0"]));
     assert_eq!(said, ["the id `West` is not a number below 2^32 that it has alone; the free number 1 stands for it"]);
     let inside = |id: &str| {

@@ -151,6 +151,13 @@ impl<'x> Context<'x> {
         names.map(|name| self.number_or_zero(node, name))
     }
 
+    /// Records that an attribute is none of the standard's words, and what is taken instead.
+    pub fn unknown(&mut self, node: Node, attribute: &'static str, text: &str, taken: &'static str) {
+        let element = node.tag_name().name().to_owned();
+        let text = text.chars().take(40).collect();
+        self.warn(node, OpenDriveProblem::UnknownWord { element, attribute, text, taken });
+    }
+
     /// Records that an attribute is not a number that can be used.
     pub fn bad(&mut self, node: Node, attribute: &'static str, text: &str) {
         let element = node.tag_name().name().to_owned();

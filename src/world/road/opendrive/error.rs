@@ -46,6 +46,15 @@ pub enum OpenDriveProblem {
     BadNumber { element: String, attribute: &'static str, text: String },
     #[error("`{element}` has no `{attribute}`")]
     MissingAttribute { element: String, attribute: &'static str },
+    #[error("`{attribute}` of `{element}` is `{text}`, a word that the standard does not have: {taken}")]
+    UnknownWord { element: String, attribute: &'static str, text: String, taken: &'static str },
+    #[error("the `value` of the speed sign is `{value}`, not a usable number{}; {}", comma(value),
+        subtype.as_ref().map_or("the sign is skipped".to_owned(), |kmh| format!("its `subtype`, {kmh} km/h, is taken")))]
+    BadSignValue {
+        value: String,
+        /// The limit of its subtype (km/h).
+        subtype: Option<String>,
+    },
     #[error("the unit `{unit}` of a speed limit is none of `m/s`, `km/h`, `mph`; the limit is skipped")]
     UnknownUnit { unit: String },
     /// A sign stands so far from its own road that it counts on another one.
@@ -73,6 +82,8 @@ pub enum OpenDriveProblem {
     OtherSide { lane: i32, side: &'static str },
     #[error("lane {lane} follows on lane {inner}, and the ids of a side have no gaps; they lie side by side")]
     MissingLane { lane: i32, inner: i32 },
+    #[error("the first lane section begins at {from} m; there are no lanes before it")]
+    LateSection { from: String },
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
     #[error("the road is {length} m long, and its geometry ends at {drawn} m; the shorter one counts")]

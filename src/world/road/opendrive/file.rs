@@ -1,4 +1,4 @@
-use roxmltree::Document;
+use roxmltree::{Document, Error};
 
 use super::attributes::{Context, children};
 use super::{
@@ -25,7 +25,12 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         let at = error.pos();
         let message = error.to_string();
         let said = message.strip_suffix(&format!(" at {at}")).unwrap_or(&message);
-        OpenDriveError::NotXml { line: at.row, column: at.col, message: said.to_owned() }
+        let (line, column) = match error {
+            // Neither has a place: the text ends before an element does.
+            Error::UnexpectedEndOfStream | Error::UnclosedRootNode => end_of(xml),
+            _ => (at.row, at.col),
+        };
+        OpenDriveError::NotXml { line, column, message: said.to_owned() }
     })?;
     let root = document.root_element();
     if root.tag_name().name() != "OpenDRIVE" {
@@ -50,7 +55,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     let (speed_signs, on_lanes) = signals::speed_signs(&mut context, &roads, &network, &signals);
     limits::follow_signs(&mut roads.roads, &network, on_lanes);
     let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
-    let traffic_lights = traffic_lights::read(&context, root, &roads, &junctions, &network, &signals);
+    let traffic_lights = traffic_lights::read(&mut context, root, &roads, &junctions, &network, &signals);
     let give_way_signs = give_way::read(&mut context, &roads, &network, &signals, &traffic_lights);
     let obstacles = obstacles::read(&mut context, &roads, &network);
     unused::note(&mut context, root);
@@ -66,4 +71,10 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         warnings: context.into_warnings(),
         map: Some(xml.into()),
     })
+}
+
+/// The line and the column at which a text ends, from 1.
+fn end_of(text: &str) -> (u32, u32) {
+    let last = text.rsplit('\n').next().unwrap_or_default();
+    (1 + text.matches('\n').count() as u32, 1 + last.chars().count() as u32)
 }

@@ -30,9 +30,17 @@ pub(super) fn sections(context: &mut Context, lanes: Node, length: f64, types: &
         starts.retain(|(s, _)| *s < length);
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
+    let first = starts.first().map_or(0.0, |(s, _)| *s);
+    let before = if first > ROUNDED {
+        context.warn(lanes, OpenDriveProblem::LateSection { from: metres(first) });
+        Some(LaneSection { start: 0.0, end: first, lanes: Vec::new() })
+    } else {
+        None
+    };
     // Sections that start at one place (one for each side of the road) end at one place too.
     let end = |start: f64| starts.get(starts.partition_point(|(s, _)| *s <= start)).map_or(length, |(s, _)| *s);
-    starts.iter().map(|(start, node)| section(context, *node, (*start, end(*start)), types)).collect()
+    let own = starts.iter().map(|(start, node)| section(context, *node, (*start, end(*start)), types));
+    before.into_iter().chain(own).collect()
 }
 
 fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &Limits) -> LaneSection {
@@ -111,7 +119,7 @@ fn kind(context: &mut Context, lane: Node) -> LaneKind {
             context.count(lane, Counted::NotDriven, what);
             LaneKind::Special
         }
-        LaneKind::Driving if !context.of_carla && denies_cars(lane) => {
+        LaneKind::Driving if !context.of_carla && denies_cars(context, lane) => {
             context.count(lane, Counted::NotDriven, "lane of type driving whose `access` denies cars".to_owned());
             LaneKind::Special
         }
@@ -119,24 +127,60 @@ fn kind(context: &mut Context, lane: Node) -> LaneKind {
     }
 }
 
+/// The road users of the standard, in lower case and without blanks.
+const USERS: [&str; 14] = [
+    "simulator",
+    "autonomoustraffic",
+    "pedestrian",
+    "passengercar",
+    "bus",
+    "delivery",
+    "emergency",
+    "taxi",
+    "throughtraffic",
+    "truck",
+    "bicycle",
+    "motorcycle",
+    "none",
+    "trucks",
+];
+
 /// Whether a lane denies cars, or allows others alone.
 ///
 /// # Source
 /// ASAM OpenDRIVE 1.7, "Lane access": a rule that is missing denies, as in 1.4; the road users are in an attribute or, since 1.7, in elements.
-fn denies_cars(lane: Node) -> bool {
-    let (mut allowed, mut others) = (false, false);
+fn denies_cars(context: &mut Context, lane: Node) -> bool {
+    let (mut denied, mut allowed, mut others) = (false, false, false);
     for access in children(lane, "access") {
-        let listed = children(access, "restriction").filter_map(|user| user.attribute("type"));
-        let mut users = access.attribute("restriction").into_iter().chain(listed).map(str::trim);
-        let is_car = |user: &str| matches!(user, "passengerCar" | "autonomousTraffic");
-        if access.attribute("rule").map(str::trim) == Some("allow") {
-            others = true;
-            allowed |= users.any(|user| is_car(user) || matches!(user, "simulator" | "throughTraffic" | "none"));
-        } else if users.any(is_car) {
-            return true;
+        let of = |node: Node, name| node.attribute(name).map(str::trim).map(str::to_owned);
+        let listed = children(access, "restriction").filter_map(|user| Some((user, of(user, "type")?)));
+        let users: Vec<_> = of(access, "restriction").map(|user| (access, user)).into_iter().chain(listed).collect();
+        for (node, user) in &users {
+            if !USERS.contains(&word(user).as_str()) {
+                let attribute = if *node == access { "restriction" } else { "type" };
+                context.unknown(*node, attribute, user, "it is taken for no car");
+            }
         }
+        let has = |words: &[&str]| users.iter().any(|(_, user)| words.contains(&word(user).as_str()));
+        let rule = of(access, "rule");
+        let is_car = has(&["passengercar", "autonomoustraffic"]);
+        match rule.as_deref() {
+            Some("allow") => {
+                others = true;
+                allowed |= is_car || has(&["simulator", "throughtraffic", "none"]);
+                continue;
+            }
+            None | Some("deny") => {}
+            Some(rule) => context.unknown(access, "rule", rule, "`deny` is taken"),
+        }
+        denied |= is_car;
     }
-    others && !allowed
+    denied || others && !allowed
+}
+
+/// A word of the standard in lower case and without blanks, which older versions have: `autonomous traffic`.
+fn word(text: &str) -> String {
+    text.replace(' ', "").to_ascii_lowercase()
 }
 
 /// The width of a lane: from its widths, or else from its borders and the edge of the lanes nearer to the middle.

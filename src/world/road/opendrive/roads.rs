@@ -47,9 +47,15 @@ pub(super) fn id_of<'a>(node: Node<'a, '_>) -> &'a str {
 pub(super) fn numbers<'a>(ids: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, u32> {
     let ids: Vec<&str> = ids.collect();
     let (mut found, mut taken) = (BTreeMap::new(), BTreeSet::new());
-    for id in ids.iter().copied() {
-        if let Some(number) = id.trim().parse().ok().filter(|number| !found.contains_key(id) && taken.insert(*number)) {
-            found.insert(id, number);
+    // An id that is written as a number is comes before others of that value, such as `01`.
+    for as_written in [true, false] {
+        for id in
+            ids.iter().copied().filter(|id| id.trim().parse().is_ok_and(|n: u32| (n.to_string() == **id) == as_written))
+        {
+            let number = id.trim().parse().ok();
+            if let Some(number) = number.filter(|number| !found.contains_key(id) && taken.insert(*number)) {
+                found.insert(id, number);
+            }
         }
     }
     let mut free = (0..).filter(|number| !taken.contains(number));
@@ -105,13 +111,23 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         name: node.attribute("name").unwrap_or_default().to_owned(),
         length,
         junction: None,
-        left_hand: node.attribute("rule").is_some_and(|rule| rule.trim().eq_ignore_ascii_case("LHT")),
+        left_hand: is_left_hand(context, node),
         plan_view: plan_view.with_elevation(elevation(context, node)),
         lane_offset: lanes.map_or_else(|| Profile::constant(0.0), |lanes| lanes::offset(context, lanes)),
         sections,
         predecessor: None,
         successor: None,
     })
+}
+
+/// Whether traffic on a road keeps to the left; to the right without a `rule`.
+fn is_left_hand(context: &mut Context, road: Node) -> bool {
+    let rule = road.attribute("rule").map_or("RHT", str::trim);
+    let is_left = rule.eq_ignore_ascii_case("LHT");
+    if !is_left && !rule.eq_ignore_ascii_case("RHT") {
+        context.unknown(road, "rule", rule, "traffic keeps to the right, as by `RHT`");
+    }
+    is_left
 }
 
 /// Finds the parts of a road that no geometry draws (m), and names them, the parts that two draw, and the places at which the line leaps.

@@ -109,7 +109,10 @@ fn lanes(
     s: f64,
 ) -> Vec<LaneSlot> {
     let ranges = validities(context, node);
-    let orientation = node.attribute("orientation").unwrap_or_default();
+    let orientation = node.attribute("orientation").unwrap_or_default().trim();
+    if !matches!(orientation, "" | "+" | "-" | "none") {
+        context.unknown(node, "orientation", orientation, "it counts in both directions");
+    }
     let along = |id: LaneId| if context.of_carla { id > 0 } else { road.is_forward(id) };
     let holds = |id: LaneId| match orientation {
         _ if !ranges.is_empty() => ranges.iter().any(|(a, b)| (*a.min(b)..=*a.max(b)).contains(&id)),
@@ -172,6 +175,9 @@ pub(super) fn speed_signs(
     let signals = signals.iter().map(|signal| (signal.definition, &signal.at));
     let (mut found, mut on_lanes) = (Vec::new(), Vec::new());
     for (definition, sign) in objects.chain(signals) {
+        if definition == sign.node {
+            note_value(context, definition);
+        }
         let Some(limit) = limit(definition) else {
             let unit = definition.attribute("unit").unwrap_or_default();
             if definition.attribute("type") == Some(SPEED_LIMIT) && in_unit(0.0, unit).is_none() && !unit.is_empty() {
@@ -215,17 +221,36 @@ pub(super) fn speed_signs(
 /// The German catalogue of signs (VzKat): up to 2017, subtype 51 was 10 km/h, 57 was 70 km/h, and 63 was 130 km/h. Those that no sign of today
 /// has are read so; other subtypes are km/h.
 pub(super) fn limit(node: Node) -> Option<f64> {
-    let number = |text: &str| text.trim().parse().ok().filter(|limit: &f64| *limit > 0.0 && *limit < 1000.0);
     if node.attribute("type") == Some(SPEED_LIMIT) {
         if let Some(value) = node.attribute("value").and_then(number) {
             let unit = node.attribute("unit").map(str::trim).filter(|unit| !unit.is_empty());
             return in_unit(value, unit.unwrap_or("km/h"));
         }
-        let subtype = node.attribute("subtype").and_then(number)?;
-        let old = (51.0..=63.0).contains(&subtype) && subtype != 60.0;
-        return Some(if old { 10.0 * (subtype - 50.0) / 3.6 } else { subtype / 3.6 });
+        return limit_of_subtype(node);
     }
     let name = node.attribute("name")?;
     let limit = name.strip_prefix("Speed_").or_else(|| name.strip_prefix("speed_"))?;
     number(limit).map(|limit| limit / 3.6)
+}
+
+/// A limit in some unit that can be one.
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|limit: &f64| *limit > 0.0 && *limit < 1000.0)
+}
+
+/// The limit of a sign's subtype (m/s).
+fn limit_of_subtype(node: Node) -> Option<f64> {
+    let subtype = node.attribute("subtype").and_then(number)?;
+    let old = (51.0..=63.0).contains(&subtype) && subtype != 60.0;
+    Some(if old { 10.0 * (subtype - 50.0) / 3.6 } else { subtype / 3.6 })
+}
+
+/// Names a value of a speed sign that cannot be used. Some writers have -1 where there is none.
+fn note_value(context: &mut Context, sign: Node) {
+    let value = sign.attribute("value").unwrap_or_default().trim();
+    let is_none = matches!(value, "" | "none") || value.parse() == Ok(-1.0);
+    if sign.attribute("type") == Some(SPEED_LIMIT) && !is_none && number(value).is_none() {
+        let subtype = limit_of_subtype(sign).map(|limit| metres(limit * 3.6));
+        context.warn(sign, OpenDriveProblem::BadSignValue { value: value.chars().take(40).collect(), subtype });
+    }
 }

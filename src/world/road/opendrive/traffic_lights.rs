@@ -37,7 +37,7 @@ struct Approach<'a> {
 
 /// Reads traffic lights: for each signal one on each lane that leads to the lanes it applies to.
 pub(super) fn read<'a, 'x: 'a>(
-    context: &Context,
+    context: &mut Context,
     root: Node<'a, 'x>,
     roads: &Roads<'a, 'x>,
     junctions: &Junctions<'a>,
@@ -45,16 +45,21 @@ pub(super) fn read<'a, 'x: 'a>(
     signals: &[Signal<'a, 'x>],
 ) -> Vec<TrafficLight> {
     let mut approaches: Vec<Approach> = Vec::new();
-    let mut known = BTreeSet::new();
+    let (mut known, mut used, mut lost) = (BTreeSet::new(), BTreeSet::new(), BTreeMap::new());
     for Signal { at, .. } in signals.iter().filter(|signal| is_light(signal.definition)) {
         let signal = at.node.attribute("id").unwrap_or_default();
         let junction = roads.roads[at.road.0 as usize].junction;
         let s = (junction.is_none() && !context.of_carla).then_some(at.s);
+        lost.entry(signal).or_insert(at.node);
         for slot in at.lanes.iter().flat_map(|slot| before_junction(network, *slot)) {
+            used.insert(signal);
             if known.insert((signal, slot)) {
                 approaches.push(Approach { signal, slot, s, junction });
             }
         }
+    }
+    for (signal, node) in lost.into_iter().filter(|(signal, _)| !used.contains(signal)) {
+        context.not_used(node, format!("traffic light {signal} beside no driving lane"));
     }
     group(root, &approaches, junctions)
         .into_iter()
