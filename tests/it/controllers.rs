@@ -10,7 +10,7 @@ use base::seed::Seed;
 use compile::{Campaign, Catalog, Compiled, ControllerKind, compile};
 use learn::ActorCritic;
 use process::ProcessOpener;
-use world::av::{Exit, Fault};
+use world::av::{Exit, Fault, Word};
 use world::env::{Ending, Outcome, Scenario};
 use world::falsifier::{ActionMode, BudgetedSimulation, Homing, TrainError, TrainedWalker, WalkPolicy, evaluate};
 
@@ -79,6 +79,11 @@ fn own(campaign: &Campaign) -> Vec<Outcome> {
     outcomes(&evaluation.scenario, controller.walk_policy().as_mut())
 }
 
+/// An answer that begins so is no JSON.
+fn not_json(text: &[u8]) -> Fault {
+    Fault::NotJson { greeting: false, text: Word::new(text) }
+}
+
 #[test]
 fn a_program_walks_as_the_controller_that_it_repeats() {
     if !has_python() {
@@ -101,7 +106,7 @@ fn a_fault_marks_its_own_episode_and_no_other() {
     let good = own(&campaign(&program("homing", "timeout: 60 s"), DRIVER));
     for (mode, timeout, fault) in [
         ("crash", "timeout: 60 s", Fault::Ended(Exit::Code(3))),
-        ("garbage", "timeout: 60 s", Fault::Answer("not the JSON of an answer")),
+        ("garbage", "timeout: 60 s", not_json(b"now I walk left")),
         ("hang", "timeout: 2 s", Fault::Late { limit_ms: 2000 }),
     ] {
         let found = own(&campaign(&program(mode, timeout), DRIVER));

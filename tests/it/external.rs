@@ -10,7 +10,7 @@ use base::seed::Seed;
 use base::signature::Keys;
 use compile::{Catalog, Plan, compile};
 use process::ProcessOpener;
-use world::av::{BrakeKeys, DrivingMode, Exit, Fault};
+use world::av::{BrakeKeys, DrivingMode, Exit, Fault, Word};
 use world::env::{Ending, Outcome, Scenario};
 use world::falsifier::{Intercept, Random, TrainError, TrainingRun, evaluate};
 
@@ -68,6 +68,11 @@ fn outcomes(mode: &str, settings: &str) -> Vec<Outcome> {
     evaluate(&mut Random::default(), &scenario, EPISODES, &seed, &seed.child("walker"), &mut |_| {
         ControlFlow::Continue(())
     })
+}
+
+/// An answer that begins so is no JSON.
+fn not_json(text: &[u8]) -> Fault {
+    Fault::NotJson { greeting: false, text: Word::new(text) }
 }
 
 #[test]
@@ -140,7 +145,7 @@ fn a_fault_marks_its_own_episode_and_no_other() {
         ("killed", "timeout: 60 s", Fault::Ended(Exit::Signal("SIGSEGV"))),
         ("null", "timeout: 60 s", wrong_type("brake", "null")),
         ("text", "timeout: 60 s", wrong_type("throttle", "a text")),
-        ("garbage", "timeout: 60 s", Fault::Answer("not the JSON of an answer")),
+        ("garbage", "timeout: 60 s", not_json(b"now I turn left")),
         ("endless", "timeout: 60 s", Fault::Answer("a line that does not end")),
         ("hang", "timeout: 2 s", Fault::Late { limit_ms: 2000 }),
     ];

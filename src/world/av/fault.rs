@@ -85,6 +85,21 @@ pub enum Fault {
         /// The type that is needed.
         wanted: &'static str,
     },
+    /// A message of it is not JSON.
+    #[error("{}: not JSON: `{text}`", if *greeting { "greeted wrongly" } else { "gave a wrong answer" })]
+    NotJson {
+        /// Whether the message is its greeting.
+        greeting: bool,
+        /// Its beginning.
+        text: Word,
+    },
+    /// An action of it has a key that no action has.
+    #[error("gave a wrong answer: an action with the key `{key}`; known are {known}")]
+    UnknownKey {
+        key: Word,
+        /// The keys of an action.
+        known: &'static str,
+    },
     /// A number in a message of it is beyond the range of `f64`.
     #[error("{}: `{key}` is {number}, and the largest number is about 1.8e308", if *greeting { "greeted wrongly" } else { "gave a wrong answer" })]
     TooLarge {
@@ -105,21 +120,29 @@ impl Fault {
     }
 }
 
-/// The beginning of a word of a program, 24 bytes at most.
+/// The beginning of a text of a program, 24 bytes at most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word([u8; 24]);
 
 impl Word {
-    /// The beginning of a word; bytes that are no printable ASCII become `?`.
-    pub fn new(word: &[u8]) -> Self {
-        let byte = |place: usize| word.get(place).map_or(0, |byte| if byte.is_ascii_graphic() { *byte } else { b'?' });
+    /// Stands for what follows.
+    const MORE: u8 = 1;
+
+    /// The beginning of a text; bytes that are no printable ASCII become `?`.
+    pub fn new(text: &[u8]) -> Self {
+        let byte = |place: usize| match text.get(place) {
+            Some(_) if place == 23 && text.len() > 24 => Self::MORE,
+            Some(byte) if byte.is_ascii_graphic() || *byte == b' ' => *byte,
+            Some(_) => b'?',
+            None => 0,
+        };
         Self(std::array::from_fn(byte))
     }
 }
 
 impl std::fmt::Display for Word {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(String::from_utf8_lossy(&self.0).trim_end_matches('\0'))
+        f.write_str(&String::from_utf8_lossy(&self.0).trim_end_matches('\0').replace(char::from(Self::MORE), "…"))
     }
 }
 

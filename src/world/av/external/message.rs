@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::refusal::{ID, KeyOf, Keyed, answer_refusal, greeting_refusal};
 use crate::av::view::{Kind, LaneAhead, Seen, View};
-use crate::av::{DrivingMode, Fault, Perception};
+use crate::av::{DrivingMode, Fault, Perception, Word};
 use crate::geometry::Pose;
 use crate::sim::{Control, LightColour};
 
@@ -325,6 +325,9 @@ const ACTION: [KeyOf; 6] = [
     ("mode", "a text", serde_json::Value::is_string),
 ];
 
+/// The names of these keys.
+const KNOWN: &str = "id, throttle, brake, acceleration, steer, mode";
+
 /// What is said of a mode that is none of [`DrivingMode`].
 const UNKNOWN_MODE: &str =
     "a mode other than cruise, turn, follow, yield, emergency_stop, red_light, give_way, arrived, unknown";
@@ -356,9 +359,9 @@ fn refusal(line: &[u8]) -> Fault {
     let actions = parsed.as_ref().and_then(|answer| answer.get("actions")?.as_array());
     let mut keys =
         actions.into_iter().flatten().filter_map(serde_json::Value::as_object).flat_map(|action| action.keys());
-    match keys.any(|key| ACTION.iter().all(|(known, ..)| known != key)) {
-        true => Fault::Answer("an action with a key other than id, throttle, brake, acceleration, steer, mode"),
-        false => answer_refusal(line, &ACTION),
+    match keys.find(|key| ACTION.iter().all(|(known, ..)| known != key)) {
+        Some(key) => Fault::UnknownKey { key: Word::new(key.as_bytes()), known: KNOWN },
+        None => answer_refusal(line, &ACTION),
     }
 }
 
@@ -465,17 +468,14 @@ mod tests {
             Decision { pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 }, steer: -1.0, mode: DrivingMode::Unknown };
         let braking = Decision { pedals: Choice::Acceleration(-2.0), steer: 0.0, mode: DrivingMode::Yield };
         assert_eq!(good, Ok(vec![pedals, braking]));
-        let unknown = "an action with a key other than id, throttle, brake, acceleration, steer, mode";
         for (line, reason) in [
-            ("turn left", "not the JSON of an answer"),
-            (r#"{"actions":[{"id":3,"throtle":1},{"id":5,"brake":1}]}"#, unknown),
-            (r#"{"actions":[{"id":3,"brake":0,"throtle":1},{"id":5,"brake":1}]}"#, unknown),
+            ("", "an empty line"),
             (r#"{"actions":[{"id":3,"brake":NaN},{"id":5,"brake":1}]}"#, NOT_FINITE),
             ("[]", "JSON, and not an object with `actions`"),
             ("{}", "JSON, and not an object with `actions`"),
             (r#"{"actions":[3]}"#, "an action that is not an object"),
             (r#"{"actions":[{"brake":1}]}"#, "an action without `id`"),
-            (r#"{"actions":[{"id":3,"brake":1,"brake":0}]}"#, "an action with a key that is missing or there twice"),
+            (r#"{"actions":[{"id":3,"brake":1,"brake":0}]}"#, "an action with a key that is there twice"),
             ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
             (r#"{"actions":[{"id":3,"brake":-Infinity}]}"#, NOT_FINITE),
             (r#"[[{"id":3,"brake":1},{"id":5,"brake":1}]]"#, "JSON, and not an object with `actions`"),
@@ -491,6 +491,22 @@ mod tests {
             ),
         ] {
             assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
+        }
+        assert_eq!(KNOWN.split(", ").collect::<Vec<_>>(), ACTION.map(|(key, ..)| key));
+        for (line, said) in [
+            (
+                r#"{"actions":[{"id":3,"throtle":1},{"id":5,"brake":1}]}"#,
+                format!("an action with the key `throtle`; known are {KNOWN}"),
+            ),
+            (
+                r#"{"actions":[{"id":3,"brake":0,"a b\u00e9":1},{"id":5}]}"#,
+                format!("an action with the key `a b??`; known are {KNOWN}"),
+            ),
+            ("turn left", "not JSON: `turn left`".into()),
+            ("Traceback (most recent call last):\n", "not JSON: `Traceback (most recent …`".into()),
+            (r#"{"actions":[{"id":3,"brake":1}"#, r#"not JSON: `{"actions":[{"id":3,"br…`"#.into()),
+        ] {
+            assert_eq!(read(line).unwrap_err().to_string(), format!("gave a wrong answer: {said}"));
         }
     }
     #[test]
@@ -519,8 +535,14 @@ mod tests {
             [r#"{"actions":[{"id":"3","brake":1}]}"#, r#"{"actions":[{"id":-1}]}"#, r#"{"actions":[{"id":3.5}]}"#]
         {
             let fault = read_decisions(line.as_bytes(), &[3], &mut Vec::new()).unwrap_err().to_string();
-            assert!(fault.starts_with("gave a wrong answer: `id` is ") && fault.ends_with("; give the id of a world"));
+            assert!(
+                fault.starts_with("gave a wrong answer: `id` is ")
+                    && fault.ends_with("; give the id of a world, a whole number")
+            );
         }
+        let fault = read_decisions(br#"{"actions":[{"id":0.0,"brake":1}]}"#, &[0], &mut Vec::new()).unwrap_err();
+        let said = "gave a wrong answer: `id` is a decimal number; give the id of a world, a whole number";
+        assert_eq!(fault.to_string(), said);
         for number in ["1e999", "-1E+400"] {
             let said = format!("gave a wrong answer: `brake` is {number}, and the largest number is about 1.8e308");
             assert_eq!(read("brake", number), said);
@@ -537,7 +559,7 @@ mod tests {
         let refused = |line: &str| read_greeting(line.as_bytes()).err().map(|fault| fault.to_string());
         assert_eq!(refused(r#"{"protocol":"falsify-av/1","revision":2,"novelty":1}"#), None);
         for (line, said) in [
-            ("hello", "not the JSON of a greeting"),
+            ("hello", "not JSON: `hello`"),
             ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
             ("[]", "JSON, and not an object"),
             (r#"["falsify-av/1"]"#, "JSON, and not an object"),

@@ -16,7 +16,7 @@ pub(crate) type KeyOf = (&'static str, &'static str, fn(&Value) -> bool);
 
 /// The key of an action that says which world it is for.
 pub(crate) const ID: KeyOf =
-    ("id", "the id of a world", |value| value.as_u64().is_some_and(|id| u32::try_from(id).is_ok()));
+    ("id", "the id of a world, a whole number", |value| value.as_u64().is_some_and(|id| u32::try_from(id).is_ok()));
 
 /// A message that is an object: a list of its values without their keys is refused.
 pub(crate) struct Keyed<T>(pub T);
@@ -74,8 +74,11 @@ pub(crate) fn answer_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
         if !action.contains_key(ID.0) {
             return Fault::Answer("an action without `id`");
         }
+        if keys.iter().any(|(key, ..)| *key == "action") && !action.contains_key("action") {
+            return Fault::Answer("an action without `action`");
+        }
     }
-    Fault::Answer("an action with a key that is missing or there twice")
+    Fault::Answer("an action with a key that is there twice")
 }
 
 /// The first key whose value has a wrong type.
@@ -91,6 +94,7 @@ fn kind(value: &Value) -> &'static str {
     match value {
         Value::Null => "null",
         Value::Bool(_) => "true or false",
+        Value::Number(number) if number.is_f64() => "a decimal number",
         Value::Number(_) => "another number",
         Value::String(_) => "a text",
         Value::Array(list) if list.iter().any(Value::is_null) => "a list with null",
@@ -112,8 +116,8 @@ fn not_json(line: &[u8], error: &serde_json::Error, greeting: bool) -> Fault {
             let (key, number) = number_before(line, error.column());
             return Fault::TooLarge { greeting, key: Word::new(key), number: Word::new(number) };
         }
-        _ if greeting => "not the JSON of a greeting",
-        _ => "not the JSON of an answer",
+        [] => "an empty line",
+        _ => return Fault::NotJson { greeting, text: Word::new(line.trim_ascii_end()) },
     };
     if greeting { Fault::Greeting(why) } else { Fault::Answer(why) }
 }

@@ -253,7 +253,7 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8], keys: &[KeyOf]) -> Result<T, Fau
     serde_json::from_slice(line).map_err(|_| match greeting_refusal(line, keys) {
         Fault::WrongType { key, found, wanted, .. } => Fault::WrongType { greeting: false, key, found, wanted },
         Fault::TooLarge { key, number, .. } => Fault::TooLarge { greeting: false, key, number },
-        Fault::Greeting("not the JSON of a greeting") => Fault::Answer("not the JSON of an answer"),
+        Fault::NotJson { text, .. } => Fault::NotJson { greeting: false, text },
         Fault::Greeting(why) if serde_json::from_slice::<serde_json::Value>(line).is_err() => Fault::Answer(why),
         Fault::Greeting("JSON, and not an object") => Fault::Answer("JSON, and not an object"),
         _ => Fault::Answer("an object with a key that is missing or there twice"),

@@ -149,13 +149,14 @@ mod tests {
         };
         assert_eq!(read(r#"{"actions":[{"id":3,"action":[-1,2.5],"new":0}]}"#), Ok([-1.0, 2.5]));
         for (line, reason) in [
-            ("walk", "not the JSON of an answer"),
+            ("", "an empty line"),
             (
                 r#"{"actions":[{"id":3,"action":[NaN,1]}]}"#,
                 "JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)",
             ),
             ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
-            (r#"{"actions":[{"id":3}]}"#, "an action with a key that is missing or there twice"),
+            (r#"{"actions":[{"id":3}]}"#, "an action without `action`"),
+            (r#"{"actions":[{"id":3,"action":[0,1],"action":[0,1]}]}"#, "an action with a key that is there twice"),
             (r#"{"actions":[]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":4,"action":[0,1]}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"action":[0]}]}"#, "not two numbers for each pedestrian"),
@@ -166,6 +167,7 @@ mod tests {
             let said = read(&format!(r#"{{"actions":[{{"id":3,"action":{action}}}]}}"#)).unwrap_err().to_string();
             assert_eq!(said, format!("gave a wrong answer: `action` is {kind}; give a list of numbers"));
         }
+        assert_eq!(read("walk").unwrap_err().to_string(), "gave a wrong answer: not JSON: `walk`");
         let said = read(r#"{"actions":[{"id":3,"action":[0, 1e999]}]}"#).unwrap_err().to_string();
         assert_eq!(said, "gave a wrong answer: `action` is 1e999, and the largest number is about 1.8e308");
     }
