@@ -53,7 +53,9 @@ fn a_recorded_touch_has_a_verdict() {
     let output = falsify(&["judge", "trace.csv"], folder.path());
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(
-        text.contains("verdict: fault\ncounts as fault: it counts against the driver, since a careful human avoids it"),
+        text.contains(
+            "verdict: preventable\ncounts as fault: it counts against the driver, since a careful human avoids it"
+        ),
         "{text}"
     );
 }

@@ -130,7 +130,7 @@ fn tell(found: &Encountered, recording: &Recording) {
         verdict.side.name(),
         verdict.impact_speed
     ));
-    console::say(&format!("verdict: {}", verdict.word()));
+    console::say(&format!("verdict: {}", verdict.label.name()));
     let counts = if verdict.is_fault() { "counts" } else { "does not count" };
     let class = verdict.class();
     console::say(&format!("counts as {}: it {counts} against the driver, since {}", class.name(), class.reason()));

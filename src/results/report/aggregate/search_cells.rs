@@ -60,7 +60,7 @@ impl SearchCell {
     /// Its name, for people.
     pub fn in_full(&self) -> String {
         let key = &self.key;
-        let block = if key.block == 0 { String::new() } else { format!(" #{}", key.block) };
+        let block = if key.block == 0 { String::new() } else { format!(", block {}", key.block) };
         format!("{}{block} in {} against {}", key.falsifier, key.town, key.policy)
     }
 }

@@ -78,7 +78,7 @@ pub fn place(cell: &Cell, cells: &[Cell]) -> String {
         let _ = write!(text, ", {}", cell.key.world);
     }
     if cells.iter().any(|other| other.key.block != cell.key.block) {
-        let _ = write!(text, " #{}", cell.key.block);
+        let _ = write!(text, ", block {}", cell.key.block);
     }
     text
 }

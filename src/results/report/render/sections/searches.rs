@@ -89,7 +89,7 @@ fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
 /// The falsifier, with the requirement that it tried to violate; with the number of its block when that is not the first.
 pub fn who(cell: &SearchCell) -> String {
     let SearchCell { key, goal, .. } = cell;
-    let block = if key.block == 0 { String::new() } else { format!(" #{}", key.block) };
+    let block = if key.block == 0 { String::new() } else { format!(", block {}", key.block) };
     let goal = goal.as_ref().map_or_else(String::new, |goal| format!(", goal {goal}"));
     format!("{}{block}{goal}", key.falsifier)
 }
