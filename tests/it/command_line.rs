@@ -466,6 +466,38 @@ fn rewards_that_pay_nothing_and_speeds_that_no_car_reaches_are_named() {
     );
 }
 
+/// Methods of a search have rewards, too; a `goal` takes their place.
+#[test]
+fn a_reward_of_a_search_that_pays_nothing_is_named_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let warned = |method: &str, pay: &str, more: &str| {
+        let text = format!(
+            "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport harbour from \"std/towns.scn\"\n\
+             spawn near {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }}\nepisode brief {{ ticks: 100  hold: 10 }}\n\
+             requirement far = always(gap > 0.5 m)\nreward mine {{ {pay} }}\nmethod one = {method}\nmethod two = {method}\n\
+             campaign c {{ vehicle: model3  body: plausible  spawn: near  episode: brief  requirements: [far]\n\
+             search {{ towns: [harbour]  drivers: [idm]  methods: [one, two]  budget: 10_000  {more} }} }}\n"
+        );
+        std::fs::write(folder.path().join("my.scn"), text).unwrap();
+        let output = falsify(&["check", "my.scn"], folder.path());
+        assert!(output.status.success(), "{output:?}");
+        error(&output).matches("warning[never-positive]").count()
+    };
+    for method in ["archive(reward: mine)", "mcts(reward: mine)", "cem(reward: mine)"] {
+        assert_eq!(warned(method, "on touch(fault) => -1  on touch => 0", ""), 1, "{method}");
+        assert_eq!(warned(method, "on touch(fault) => 1", ""), 0, "{method}");
+    }
+    assert_eq!(warned("archive(reward: mine)", "on touch(fault) => -1", "goal: far"), 0);
+    // A miss that costs more than a touch is an aim, too, as in adaptive stress testing.
+    for (pay, warnings) in [
+        ("on timeout => -300 - miss_distance in m  on lost => -300", 0),
+        ("on timeout => -300", 1),
+        ("on touch => -400  on timeout => -300  on lost => -300", 1),
+    ] {
+        assert_eq!(warned("archive(reward: mine)", pay, ""), warnings, "{pay}");
+    }
+}
+
 #[test]
 fn files_with_a_campaign_of_one_name_are_checked_together_and_not_run_together() {
     let folder = tempfile::tempdir().unwrap();

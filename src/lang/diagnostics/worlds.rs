@@ -124,7 +124,7 @@ pub fn paid_waiting(span: Span, reward: &str, waiting: f64, hit: f64) -> Diagnos
 pub fn never_positive(span: Span, reward: &str) -> Diagnostic {
     Diagnostic::warning("never-positive", span, format!("no episode can earn more than 0 with `{reward}`"))
         .here("every clause pays 0 or less")
-        .help("a learner then looks for the episode that costs least: pay for what the pedestrian is to reach")
+        .help("a learner or a search then looks for the episode that costs least: pay for what the pedestrian is to reach")
 }
 
 /// The budget of a search does not hold one whole episode (ticks).

@@ -159,7 +159,12 @@ impl Lowering<'_> {
             if controller.is_some() && named.controller.is_none() {
                 continue;
             }
-            let reward = falsifier::named(arguments, "reward").map(|id| self.reward(id));
+            let reward = falsifier::named(arguments, "reward");
+            // A goal takes the place of the reward.
+            if at.block.places.iter().all(|(key, _)| *key != "goal") {
+                reward.into_iter().for_each(|id| self.warn_of_no_pay(id));
+            }
+            let reward = reward.map(|id| self.reward(id));
             rivals.push(Rival {
                 name: declaration.name.clone(),
                 method: declaration.kind,

@@ -99,18 +99,38 @@ impl Lowering<'_> {
         rewards.extend(paid.into_iter().map(|reward| (reward.name.to_string(), reward)));
     }
 
+    /// The least and the greatest value of a formula of a reward. The robustness of a requirement is no variable of the vocabulary, and has no
+    /// bounds.
+    fn bounds_of_pay(&self, formula: &Formula) -> (f64, f64) {
+        let known = |id: VariableId| self.catalog.vocabulary.variables.get(id.0);
+        formula.bounds(&|id| known(id).map_or((f64::NEG_INFINITY, f64::INFINITY), |variable| variable.bounds))
+    }
+
+    /// Warns once of a reward for which a learner or a search looks in vain: it pays nothing, and no touch is worth more than every end without one.
+    pub(crate) fn warn_of_no_pay(&mut self, reward: DeclarationId) {
+        let declaration = self.program.get(reward);
+        let clauses = || declaration.block.clauses.iter();
+        let most = |clause: &Clause| self.bounds_of_pay(&clause.formula).1;
+        let without = |event| clauses().find(|clause| clause.event == event).map_or(0.0, most);
+        let is_touch = |clause: &&Clause| clause.event == "touch";
+        let other =
+            if clauses().any(|clause| is_touch(&clause) && clause.word.is_none()) { f64::NEG_INFINITY } else { 0.0 };
+        let touch = clauses().filter(is_touch).map(most).fold(other, f64::max);
+        let is_aim = ["timeout", "lost"].into_iter().all(|event| without(event) < touch);
+        if !is_aim && clauses().all(|clause| most(clause) <= 0.0) {
+            let warning = diagnostics::never_positive(declaration.block.head, &declaration.name);
+            if !self.said.contains(&warning) {
+                self.said.push(warning);
+            }
+        }
+    }
+
     /// Warns of a reward that pays nothing, or that pays so much for every step that no touch or violation is worth ending an episode.
     fn warn_of_pay(&mut self, reward: &Axis<RewardRule>, rule: &EpisodeRule) {
-        // The robustness of a requirement is no variable of the vocabulary, and has no bounds.
-        let known = |id: VariableId| self.catalog.vocabulary.variables.get(id.0);
-        let bounds = |formula: &Formula| {
-            formula.bounds(&|id| known(id).map_or((f64::NEG_INFINITY, f64::INFINITY), |variable| variable.bounds))
-        };
+        self.warn_of_no_pay(reward.id);
         let declaration = self.program.get(reward.id);
         let clauses = || declaration.block.clauses.iter();
-        if clauses().all(|clause| bounds(&clause.formula).1 <= 0.0) {
-            self.said.push(diagnostics::never_positive(declaration.block.head, &declaration.name));
-        }
+        let bounds = |formula: &Formula| self.bounds_of_pay(formula);
         let Some(step) = clauses().find(|clause| clause.event == "step") else { return };
         let waiting = bounds(&step.formula).0 * f64::from(rule.ticks / rule.hold.max(1));
         let is_goal = |clause: &&Clause| clause.event == "touch" || clause.subject.is_some();
