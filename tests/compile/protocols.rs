@@ -308,6 +308,46 @@ fn a_test_that_cannot_be_is_refused() {
     }
 }
 
+/// A body that does not reach the speed of the test by the meeting, or whose speeds do not hold it, is no target: its late or slow walk would let
+/// a driver pass. 1.39 m/s within 1 m takes 0.96 m/s².
+#[test]
+fn a_body_that_cannot_walk_the_test_is_refused() {
+    let with = |body: &str, town: &str, block: &str| {
+        let text = format!(
+            "edition 1\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\nmethod chance = random()\nbody odd {{ {body} }}\n\
+             town blocked {{ street road {{ through: [(-500 m, 0 m), (200 m, 0 m)] }} wall {{ from: (-2 m, -4 m) to: (2 m, -4 m) }} }}\n\
+             campaign c {{ vehicle: model3 body: odd spawn: cpna episode: protocol_test\n\
+             {block} towns: [{town}] drivers: [blind] }} }}"
+        );
+        compiled(&text).err().unwrap_or_default()
+    };
+    let test = "evaluate { pedestrians: [scripted]";
+    let search = "search { methods: [chance]";
+    for (body, town, block, reason) in [
+        ("ramp: 0 s", "test_track", test, ""),
+        ("acceleration: 1 m/s^2", "test_track", test, ""),
+        ("acceleration: 0.9 m/s^2", "test_track", test, ""),
+        ("acceleration: 0.6 m/s^2", "test_track", test, "m from the place where both meet"),
+        ("acceleration: 0.1 m/s^2", "test_track", test, "reaches only 1.2 of 5 km/h"),
+        ("ramp: 2 s", "test_track", test, "m from the place where both meet"),
+        (
+            "ramp: 0 s speed: 0 m/s .. 0.5 m/s",
+            "test_track",
+            test,
+            "its `speed` is 0 to 1.8 km/h, and the target walks at 5 km/h",
+        ),
+        ("ramp: 0 s", "blocked", test, "in `blocked`, it reaches only 0 of 5 km/h"),
+        ("ramp: 0 s", "test_track", search, ""),
+        ("acceleration: 1 m/s^2", "test_track", search, "m from the place where both meet"),
+        ("acceleration: 1 m/s^2", "test_track", "evaluate { pedestrians: [random] episodes: 18", ""),
+    ] {
+        let speed = if body.contains("speed") { "" } else { "speed: 0 m/s .. 3 m/s" };
+        let said = with(&format!("{body} {speed}"), town, block);
+        assert_eq!(said.is_empty(), reason.is_empty(), "{body}, {town}, {block}: {said}");
+        assert!(said.contains(reason), "{body}, {town}, {block}: {said}");
+    }
+}
+
 /// A table of the reference folder; none after reporting that it is not there.
 fn table(name: &str) -> Option<Vec<Vec<String>>> {
     let path = reference::folder().join("reference/next").join(name);

@@ -283,6 +283,46 @@ impl Lowering<'_> {
 }
 
 impl Lowering<'_> {
+    /// Whether these bodies can walk the test of a ground in all its towns: as it states if `states` it, otherwise at their highest speed. Reports it
+    /// otherwise.
+    pub(crate) fn walks_test(
+        &mut self,
+        at: Nested<'_>,
+        ground: &Ground,
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
+        states: bool,
+        tick: f64,
+    ) -> bool {
+        let Some(walk) = &ground.spawn.value.target_walk else { return true };
+        let kmh = |speed: f64| short((speed * 36.0).round() / 10.0);
+        for ((car, walker), town) in bodies.iter().flat_map(|body| ground.towns.iter().map(move |town| (body, town))) {
+            let (low, high) = walker.value.action.speed;
+            let speed = if states { walk.speed } else { high };
+            let reason = if states && !(low - 1e-9..=high + 1e-9).contains(&speed) {
+                let (low, high) = (kmh(low), kmh(high));
+                format!("its `speed` is {low} to {high} km/h, and the target walks at {} km/h", kmh(speed))
+            } else {
+                let (body, obstacles) = (&walker.value.body, &town.value.obstacles);
+                let Some(missed) = walk.missed(speed, body, &car.value, obstacles, tick) else { continue };
+                let (case, apart, reached) = missed;
+                let test_speed = kmh(walk.cases[case].test_speed);
+                format!(
+                    "with the car at {test_speed} km/h in `{}`, it reaches only {} of {} km/h, {apart:.2} m from the place where both meet",
+                    town.name,
+                    kmh(reached),
+                    kmh(speed)
+                )
+            };
+            let own = ["bodies", "body"].into_iter().find(|key| at.block.places.iter().any(|(name, _)| name == key));
+            let place = own.map_or_else(|| at.campaign.place("body"), |key| at.block.place(key));
+            let message = format!("`{}` cannot walk as the target of `{}`: {reason}", walker.name, ground.spawn.name);
+            let help = "a target has `ramp: 0 s`, holds the test's speed in its `speed`, and nothing stands in its way";
+            self.said.push(diagnostics::contradiction(place, message).help(help));
+            return false;
+        }
+        true
+    }
+
     /// Warns of towns in which no pedestrian can meet the car within an episode of this length (s).
     fn warn_of_far_starts(
         &mut self,

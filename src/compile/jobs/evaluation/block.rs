@@ -69,6 +69,9 @@ impl Lowering<'_> {
         let Some(chosen) = self.chosen(block, &pedestrians, has_script) else { return };
         let test = ground.spawn.value.target_walk.as_ref().filter(|_| pedestrians.contains(&Value::Choice(SCRIPTED)));
         let cases = test.map(|walk| walk.cases.len() as u32);
+        if cases.is_some() && !self.walks_test(at, &ground, &all, true, grid.usual.rule.value.tick) {
+            return;
+        }
         if let (Some(episodes), Some(cases)) = (episodes, cases)
             && episodes % cases != 0
         {

@@ -67,6 +67,9 @@ impl Lowering<'_> {
     fn search(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let keys: SearchKeys = at.block.keys();
         let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.body, grid) else { return };
+        if !self.walks_test(at, &ground, &[(&grid.usual.car, &body)], false, grid.usual.rule.value.tick) {
+            return;
+        }
         let falsifiers = self.falsifiers(at, &keys.methods, &body, &grid.usual);
         if !self.takes(at, &ground, [falsifiers.len(), keys.runs as usize], grid) {
             return;

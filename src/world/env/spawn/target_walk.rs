@@ -1,11 +1,16 @@
 use super::Spawn;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
-use crate::sim::{Pedestrian, Vehicle, VehicleBlueprint, VehicleState, WalkCommand};
+use crate::sim::{Pedestrian, PedestrianBody, PedestrianState, Vehicle, VehicleBlueprint, VehicleState, WalkCommand};
 use base::choice;
 use base::signature::Distribution;
 
 /// A car below this speed has stopped (m/s).
 const STOPPED: f64 = 0.1;
+/// The tolerances of a target at the meeting: its place (m), and its speed (m/s), 0.2 km/h.
+///
+/// # Source
+/// 49 CFR 571.127, S8.3.5; Euro NCAP, CPNA: 5 ± 0.2 km/h.
+const KEPT: (f64, f64) = (0.15, 0.2 / 3.6);
 /// A target along the path walks this far to the left of its stated line (m). A test track holds the line within 0.05 m, and no target is
 /// exactly dead ahead of a car. In a simulation it would be, and CARLA's agent does not see what is
 /// (`ported::behavior_agent`).
@@ -170,6 +175,31 @@ impl TargetWalk {
             !obstacles.blocks_sight(pose.position(), target.position())
         };
         (0..).zip(&self.cases).any(|(number, case)| is_seen(number, case))
+    }
+
+    /// The first case in which a body that is commanded this speed (m/s) is not where and as fast as stated when it would meet a car that keeps
+    /// its speed, with ticks of this length (s): its number, how far it is from the place (m), and its speed (m/s). A body that starts too
+    /// slowly misses it, and one that something stops on its way.
+    pub fn missed(
+        &self,
+        speed: f64,
+        body: &PedestrianBody,
+        car: &VehicleBlueprint,
+        obstacles: &Obstacles,
+        dt: f64,
+    ) -> Option<(usize, f64, f64)> {
+        let command = WalkCommand { speed, ..self.command() };
+        let walked = |number: usize, case: &TestCase| {
+            let pose = self.car(case, car.half_length);
+            let state = VehicleState { pose, speed: case.test_speed, ..VehicleState::default() };
+            let release = self.release(number as u64, 1.0, &state, car, command, dt);
+            let ticks = (self.headway / dt).round() as u32;
+            let start = PedestrianState::standing(release.start);
+            let end = (0..ticks).fold(start, |at, tick| at.step(release.command(tick, dt), body, obstacles, dt));
+            let apart = (end.pose.position() - self.meeting_of_target(case, car).0).norm();
+            (apart > KEPT.0 || (end.speed() - speed).abs() > KEPT.1).then(|| (number, apart, end.speed()))
+        };
+        self.cases.iter().enumerate().find_map(|(number, case)| walked(number, case))
     }
 
     /// The start of an episode, up to what the driver makes of it.
