@@ -163,6 +163,7 @@ fn no_start_fails_where_few_poses_of_the_ego_will_do() {
     let drawn = draw(&bends, 2000);
     assert!(drawn.iter().all(|spawn| spawn.ego.x > 1150.0), "the only bend is at the end");
     let two = "town two {
+        bend_radius: 12 m
         street { through: [(0 m, 0 m), (86 m, 0 m), (86 m, 56 m), (0 m, 56 m), (0 m, 0 m)] }
         street far { through: [(0 m, 400 m), (900 m, 400 m)] }
     }";

@@ -411,3 +411,53 @@ proptest! {
         check_obstacles(&parts);
     }
 }
+
+/// A car at 30 km/h, 8.33 m/s, has v²/r = 5.8 m/s² on a radius of 12 m, and 6.9 in the lane 2 m nearer to the middle of the bend.
+#[test]
+fn bends_that_are_too_fast_are_found_by_the_limit_at_which_cars_come() {
+    let with = |limits: [Option<f64>; 2], radius: f64| {
+        let mut town = TownDesign { bend_radius: radius, ..bend() };
+        town.streets.iter_mut().zip(limits).for_each(|(street, limit)| street.speed_limit = limit.map(|kmh| kmh / 3.6));
+        let found = town.fast_bends([4.0, 7.0]);
+        found
+            .iter()
+            .map(|bend| (bend.street, (bend.limit * 3.6).round(), (bend.lateral * 10.0).round() / 10.0))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(with([None, None], 12.0), [(0, 30.0, 6.9), (1, 30.0, 6.9)]);
+    assert_eq!(with([None, None], 20.0), []);
+    assert_eq!(with([Some(20.0), Some(20.0)], 12.0), []);
+    // A street without signs has the limit of the one before it.
+    assert_eq!(with([Some(50.0), None], 20.0), [(0, 50.0, 10.7), (1, 50.0, 10.7)]);
+    assert_eq!(with([Some(50.0), Some(30.0)], 20.0), [(0, 50.0, 10.7)]);
+}
+
+/// A right turn about a corner of 5 m has the middle of the street on 5 + 8.3 m, and the lane on 11.3 m: 6.1 m/s² at 30 km/h, 17 at 50.
+#[test]
+fn turns_of_a_junction_that_are_too_fast_are_found() {
+    let with = |kmh: Option<f64>, corner_radius: f64| {
+        let mut town = TownDesign { corner_radius, ..t_junction() };
+        town.streets[1].speed_limit = kmh.map(|kmh| kmh / 3.6);
+        let found = town.fast_bends([4.0, 7.0]);
+        assert!(found.iter().all(|bend| bend.in_junction));
+        found.iter().map(|bend| (bend.street, (bend.radius * 10.0).round() / 10.0)).collect::<Vec<_>>()
+    };
+    assert_eq!(with(None, 5.0), []);
+    assert_eq!(with(Some(50.0), 5.0), [(0, 11.3), (1, 11.3)]);
+    assert_eq!(with(Some(50.0), 40.0), []);
+}
+
+/// What is wrong at thousands of places is said of the first hundred, at once.
+#[test]
+fn thousands_of_equal_streets_are_refused_in_time() {
+    let mut nodes = Vec::new();
+    let mut streets = Vec::new();
+    for pair in 0..1500_usize {
+        let (x, y) = ((pair % 40) as f64 * 300.0 - 6000.0, (pair / 40) as f64 * 100.0 - 2000.0);
+        nodes.extend([node(&format!("a{pair}"), x, y), node(&format!("b{pair}"), x + 200.0, y)]);
+        streets.extend(["c", "d"].map(|one| street(&format!("{one}{pair}"), &[2 * pair, 2 * pair + 1])));
+    }
+    let town = TownDesign { nodes, streets, ..TownDesign::default() };
+    let faults = town.build().unwrap_err();
+    assert_eq!(faults.len(), 100);
+}

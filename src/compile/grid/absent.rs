@@ -10,11 +10,10 @@ use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{MapPart, RewardRule};
 use world::requirement::NamedRequirement;
+use world::road::FIRST_LIMIT;
 
 /// How much faster than the highest speed limit of its towns a car may be expected to drive.
 const ABOVE_LIMIT: f64 = 1.5;
-/// The limit that drivers keep before the first sign (m/s).
-const FIRST_LIMIT: f64 = 30.0 / 3.6;
 
 /// The highest of the speeds of a key (m/s).
 fn highest(value: &Value) -> f64 {

@@ -1,3 +1,6 @@
+use std::collections::BTreeMap;
+
+use super::objects::SpeedSignKeys;
 use super::{Drawn, Site};
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::{Keys, short};
@@ -5,10 +8,11 @@ use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::geometry::Point;
-use world::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
+use world::road::design::{BuildingRow, Carriageway, DesignError, FastBend, Node, Street, StreetProfile, TownDesign};
 
-/// Lateral acceleration that a bend may ask for at the speed limit before a check warns (m/s²): what passengers still accept.
-const MAX_LATERAL: f64 = 4.0;
+/// Lateral accelerations that a bend, and a turn in a junction, may ask for at the speed limit before a check warns (m/s²): what passengers still
+/// accept, and what asks too much of a driver that slows down a little for a turn.
+const MAX_LATERAL: [f64; 2] = [4.0, 8.0];
 /// Points of streets closer than this are one node (m).
 const SAME_NODE: f64 = 0.01;
 
@@ -32,7 +36,7 @@ keys! {
         /// Width of the sidewalks.
         sidewalk: f64 as within(LENGTH, 0.5, 20.0) = "3 m",
         /// Radius of the middle of a street where it bends: 0.5 m more than half the width of the street at least.
-        bend_radius: f64 as within(LENGTH, 3.0, 1000.0) = "12 m",
+        bend_radius: f64 as within(LENGTH, 3.0, 1000.0) = "20 m",
         /// Radius of the sidewalk's outer edge at the corner of a junction.
         corner_radius: f64 as within(LENGTH, 0.5, 100.0) = "5 m",
         /// Whether all junctions have traffic lights.
@@ -69,20 +73,20 @@ pub(super) fn build(declaration: &Declaration, site: &mut Site<'_>) -> Option<Dr
     match design.build() {
         Ok(parts) => {
             let streets: Vec<_> = declaration.block.nested(StreetKeys::KIND).collect();
-            let bends = design.fast_bends(MAX_LATERAL).into_iter();
-            let fast = bends.map(|bend| {
-                diagnostics::fast_bend(
-                    streets[bend.street].place("speed_limit"),
-                    bend.radius,
-                    bend.lateral,
-                    MAX_LATERAL,
-                )
+            // Where signs stand, the limit of a street without one of its own depends on the way there.
+            let has_signs = declaration.block.nested(SpeedSignKeys::KIND).next().is_some();
+            let known = |bend: &FastBend| !has_signs || design.streets[bend.street].speed_limit.is_some();
+            let fast = design.fast_bends(MAX_LATERAL).into_iter().filter(known).map(|bend| {
+                let (place, at) = (streets[bend.street].place("speed_limit"), bend.in_junction);
+                let asked = [bend.lateral, MAX_LATERAL[usize::from(at)]];
+                diagnostics::fast_bend(place, at, bend.limit, bend.radius, asked)
             });
             site.said.extend(fast);
             Some(Drawn { parts, half_width })
         }
         Err(faults) => {
-            site.said.extend(faults.iter().map(|fault| unbuildable(fault, &declaration.block)));
+            let known = named_places(&declaration.block);
+            site.said.extend(faults.iter().map(|fault| unbuildable(fault, &declaration.block, &known)));
             None
         }
     }
@@ -133,7 +137,7 @@ fn legs(streets: &[Street], node: usize) -> usize {
 }
 
 /// Reports a fault of a design at its street, its corner or its measure.
-fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
+fn unbuildable(fault: &DesignError, block: &Block, known: &BTreeMap<String, Span>) -> Diagnostic {
     if let DesignError::Measure { what, .. } = fault {
         // `setback of buildings` is the key `setback` of `row_houses`, `lane width` that of the town.
         let row = block.nested(BuildingRow::KIND).next();
@@ -144,15 +148,10 @@ fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
         return diagnostics::unbuildable_town(owner.place(&key), &fault.to_string());
     }
     let mut places: Vec<Span> = Vec::new();
-    for name in fault.names() {
-        let street =
-            || block.nested(StreetKeys::KIND).zip(1..).find(|(street, number)| street_name(street, *number) == name);
-        let mut corners = block.inside().flat_map(|(street, StreetKeys { through, .. })| {
-            through.into_iter().zip(street.members("through").iter().copied())
-        });
-        let corner = corners.find(|([x, y], _)| node_name(*x, *y) == name).map(|(_, span)| span);
-        let place = street().map(|(street, _)| street.head).or(corner);
-        places.extend(place.filter(|place| !places.contains(place)));
+    for place in fault.names().into_iter().filter_map(|name| known.get(name).copied()) {
+        if !places.contains(&place) {
+            places.push(place);
+        }
     }
     let mut diagnostic =
         diagnostics::unbuildable_town(places.first().copied().unwrap_or(block.head), &fault.to_string());
@@ -168,6 +167,20 @@ fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
         }
         _ => diagnostic,
     }
+}
+
+/// The places of streets and of their points, by their names in messages; that of a street comes first.
+fn named_places(block: &Block) -> BTreeMap<String, Span> {
+    let mut known = BTreeMap::new();
+    for (street, number) in block.nested(StreetKeys::KIND).zip(1..) {
+        known.entry(street_name(street, number)).or_insert(street.head);
+    }
+    for (street, StreetKeys { through, .. }) in block.inside() {
+        for ([x, y], span) in through.into_iter().zip(street.members("through").iter().copied()) {
+            known.entry(node_name(x, y)).or_insert(span);
+        }
+    }
+    known
 }
 
 /// The name of a street in messages.

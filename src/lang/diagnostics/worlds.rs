@@ -152,11 +152,14 @@ pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic 
     .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `body`")
 }
 
-/// A bend asks a car at the speed limit for more lateral acceleration than drivers allow: radius of the lane (m), both accelerations (m/s²).
-pub fn fast_bend(span: Span, radius: f64, lateral: f64, limit: f64) -> Diagnostic {
-    Diagnostic::warning("fast-bend", span, "this limit is too high for a bend of the street")
-        .here(format!("asks for {lateral:.1} m/s^2 sideways on a lane with a radius of {radius:.1} m; {} is usual", short(limit)))
-        .help("a driver that does not slow down for bends leaves the road: lower the limit, or give the town a larger `bend_radius`")
+/// A bend, or a turn in a junction, asks a car at a speed limit (m/s) for more lateral acceleration than drivers allow: radius of the lane (m), and
+/// both accelerations (m/s²).
+pub fn fast_bend(span: Span, in_junction: bool, limit: f64, radius: f64, [lateral, most]: [f64; 2]) -> Diagnostic {
+    let (place, key) = if in_junction { ("turn in a junction", "corner_radius") } else { ("bend", "bend_radius") };
+    let (limit, most) = (short((limit * 3.6).round()), short(most));
+    Diagnostic::warning("fast-bend", span, format!("the speed limit, {limit} km/h, is too high for a {place} of the street"))
+        .here(format!("{lateral:.1} m/s^2 sideways on a lane with a radius of {radius:.1} m; {most} is the most"))
+        .help(format!("a driver that does not slow down there leaves the road: state a lower `speed_limit`, or give the town a larger `{key}`"))
 }
 
 /// A requirement, a reward or a driver is about a part that these towns do not have.

@@ -1,5 +1,11 @@
 use super::{LaneKind, LaneSection, Road, SpeedSign};
 
+/// Speed limit of a vehicle before its first sign (m/s).
+///
+/// # Source
+/// CARLA `Vehicle/WheeledVehicleAIController.h`: 30 km/h until the first sign.
+pub const FIRST_LIMIT: f64 = 30.0 / 3.6;
+
 /// On how much of a map's driving lanes a speed limit is assumed: the 30 km/h at which CARLA's vehicles begin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AssumedLimit {

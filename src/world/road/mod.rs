@@ -31,7 +31,7 @@ pub mod crosswalk;
 mod lane_route;
 
 pub use around::LaneAround;
-pub use assumed_limit::AssumedLimit;
+pub use assumed_limit::{AssumedLimit, FIRST_LIMIT};
 pub use cubic::{Cubic, Profile};
 pub use furniture::{GiveWay, GiveWaySign, SpeedSign, TrafficLight};
 pub use junction::{Connection, Junction};

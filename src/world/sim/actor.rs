@@ -1,12 +1,6 @@
 use super::{Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand};
 use crate::geometry::{Obstacles, OrientedBox};
-use crate::road::Town;
-
-/// Speed limit of a vehicle before its first sign (m/s).
-///
-/// # Source
-/// CARLA `Vehicle/WheeledVehicleAIController.h`: 30 km/h until the first sign.
-const FIRST_LIMIT: f64 = 30.0 / 3.6;
+use crate::road::{FIRST_LIMIT, Town};
 
 /// The identity of an actor of a world: its number among the vehicles or among the pedestrians. It stays the same for a whole episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]

@@ -203,12 +203,6 @@ impl Layout {
         }
     }
 
-    /// The radius of the middle of a street where it bends at a node (m); `None` if the node is not a bend.
-    pub fn bend_radius(&self, design: &TownDesign, node: usize) -> Option<f64> {
-        let bend = *self.joints.get(node)? == Joint::Bend;
-        bend.then(|| design.bend_radius.max(MIN_TANGENT / self.half_turn(node)))
-    }
-
     /// The tangent of half the angle by which a street turns at a bend.
     fn half_turn(&self, node: usize) -> f64 {
         libm::tan(wrap_angle(self.gap(node, 0) - PI).abs() / 2.0)

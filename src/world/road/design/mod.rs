@@ -8,6 +8,7 @@
 mod town_design;
 mod carriageway;
 mod error;
+mod fast_bend;
 mod layout;
 mod corner;
 mod turning_lanes;
@@ -19,4 +20,5 @@ mod building_row;
 pub use building_row::BuildingRow;
 pub use carriageway::Carriageway;
 pub use error::DesignError;
-pub use town_design::{FastBend, Node, Street, StreetProfile, TownDesign};
+pub use fast_bend::FastBend;
+pub use town_design::{Node, Street, StreetProfile, TownDesign};

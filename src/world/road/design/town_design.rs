@@ -1,5 +1,8 @@
 use super::{
-    BuildingRow, Carriageway, DesignError, building_row, layout::Layout, lights_and_signs, network::Network,
+    BuildingRow, Carriageway, DesignError, building_row,
+    layout::{Layout, MAX_FAULTS},
+    lights_and_signs,
+    network::Network,
     surface::Surfaces,
 };
 use crate::geometry::{OrientedBox, Point};
@@ -89,17 +92,6 @@ impl Default for TownDesign {
     }
 }
 
-/// A bend that asks a car at the speed limit for much lateral acceleration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FastBend {
-    /// Index into [`TownDesign::streets`].
-    pub street: usize,
-    /// Radius of the innermost driving lane (m).
-    pub radius: f64,
-    /// Lateral acceleration of a car at the limit in that lane (m/s²).
-    pub lateral: f64,
-}
-
 impl TownDesign {
     /// Lays out the roads and everything beside them.
     ///
@@ -113,6 +105,10 @@ impl TownDesign {
             return Err(faults);
         }
         let layout = Layout::new(self, &mut faults);
+        faults.truncate(MAX_FAULTS);
+        if faults.len() == MAX_FAULTS {
+            return Err(faults);
+        }
         let network = Network::new(self, &layout);
         let surfaces = Surfaces::new(self, &layout, &network);
         surfaces.find_overlaps(&network, &mut faults);
@@ -135,23 +131,6 @@ impl TownDesign {
         })
     }
 
-    /// For each street with a stated limit, the bend that asks a car at that limit for the highest lateral acceleration, if it is above
-    /// `limit` (m/s²). Turns in junctions are not bends: there each driver chooses its speed.
-    pub fn fast_bends(&self, limit: f64) -> Vec<FastBend> {
-        let layout = Layout::new(self, &mut Vec::new());
-        let stated = self.streets.iter().enumerate();
-        let bends = stated.filter_map(|(street, Street { nodes, speed_limit, carriageway, .. })| {
-            let speed = (*speed_limit)?;
-            let inner_lane = (self.profile.lane_width / 2.0) - carriageway.half_width(&self.profile);
-            let radii = nodes.iter().filter_map(|&node| Some(layout.bend_radius(self, node)? + inner_lane));
-            let radius = radii.min_by(f64::total_cmp)?;
-            let lateral = speed * speed / radius;
-            (lateral > limit).then_some(FastBend { street, radius, lateral })
-        });
-        bends.collect()
-    }
-
-    /// The faults in single numbers.
     fn measure_faults(&self) -> Vec<DesignError> {
         let half_width = Carriageway::default().street_half_width(&self.profile);
         let mut limits = vec![
