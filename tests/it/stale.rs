@@ -204,7 +204,7 @@ fn ctrl_c_ends_a_run_that_waits_for_a_driver_and_keeps_what_was_stored() {
     let output = child.wait_with_output().unwrap();
     let took = asked.elapsed();
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
-    assert!(took < Duration::from_secs(2), "{took:?}: {}", said(&output));
+    assert!(took < Duration::from_secs(30), "{took:?}: {}", said(&output));
     std::fs::remove_file(here.join("slow")).unwrap();
     let again = run(here, &["--replace"], 0);
     assert!(again.contains("1 of 2 tasks were there already"), "{again}");

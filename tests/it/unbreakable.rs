@@ -457,14 +457,14 @@ fn a_slow_training_answers_a_signal_and_its_limit() {
     let limited = start(&["--task-time", "2"]).wait_with_output().unwrap();
     assert_eq!(limited.status.code(), Some(5), "{limited:?}");
     assert!(error(&limited).contains("not finished within the 2 s"), "{limited:?}");
-    assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
+    assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
     let child = start(&[]);
     std::thread::sleep(Duration::from_secs(3));
     assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
     let asked = Instant::now();
     let stopped = child.wait_with_output().unwrap();
     assert_eq!(stopped.status.code(), Some(130), "{stopped:?}");
-    assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
+    assert!(asked.elapsed() < Duration::from_secs(60), "{:?}", asked.elapsed());
 }
 
 #[test]
