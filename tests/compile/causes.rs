@@ -383,7 +383,7 @@ fn one_of_two_defects_is_named() {
 
 #[test]
 fn planted_defects_of_a_learnt_driver_are_named() {
-    assert_named(&LEARNT, &few(), (8, 8), 0.5);
+    assert_named(&LEARNT, &few(), few_starts(200), 0.5);
 }
 
 #[test]
@@ -442,14 +442,14 @@ fn program(words: &str) -> String {
 #[test]
 fn planted_defects_of_a_program_are_named() {
     let driver = crate::repository().join("tests/external/braking.py");
-    assert_named(&[&program(&format!("python3 {}", driver.display()))], &few(), (8, 8), 0.5);
+    assert_named(&[&program(&format!("python3 {}", driver.display()))], &few(), few_starts(60), 0.5);
 }
 
 /// Runs only if `FALSIFY_SUMO_PYTHON` is a Python with `falsify_av` and SUMO.
 #[test]
 fn planted_defects_of_sumo_are_named() {
     let Ok(python) = std::env::var("FALSIFY_SUMO_PYTHON") else { return };
-    assert_named(&[&program(&format!("{python} -m falsify_av.stacks sumo EIDM"))], &few(), (8, 8), 0.3);
+    assert_named(&[&program(&format!("{python} -m falsify_av.stacks sumo EIDM"))], &few(), few_starts(60), 0.3);
 }
 
 #[test]

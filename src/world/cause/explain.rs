@@ -112,6 +112,7 @@ impl Default for RunLimit<'_> {
 
 /// Finds out why an incident happened; `None` if it is not a failure when it is repeated.
 pub fn explain(incident: &Incident, questions: Questions, limit: RunLimit<'_>) -> Option<Cause> {
+    let incident = &incident.lasting();
     let parts = &incident.scenario.cast.ego().parts;
     let mut it = Experiments::new(incident, questions != Questions::OfCopied, limit)?;
     let mut cause = match it.facts() {

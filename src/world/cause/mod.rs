@@ -13,6 +13,7 @@ mod experiments;
 mod explain;
 mod failure_kind;
 mod incident;
+mod lasting;
 mod needs;
 mod plan;
 mod profile;

@@ -21,6 +21,7 @@ pub struct Need {
 ///
 /// Empty for one car and one pedestrian, and for a failure that cannot be repeated.
 pub fn needs(incident: &Incident) -> Vec<Need> {
+    let incident = &incident.lasting();
     let Incident { scenario, criterion, commands, .. } = incident;
     let cast = &scenario.cast;
     let others: Vec<ActorId> =

@@ -70,6 +70,7 @@ impl Shrunk {
 /// # Source
 /// Zeller and Hildebrandt, *Simplifying and isolating failure-inducing input*, IEEE TSE 28 (2002); the result is 1-minimal.
 pub fn shrink(incident: &Incident, max_runs: u32) -> Option<Shrunk> {
+    let incident = &incident.lasting();
     let mut reruns = Reruns::new(incident);
     let first = reruns.run(&incident.commands)?;
     let kind = FailureKind::new(incident.criterion, &first.judged(incident.criterion, &incident.scenario))?;
