@@ -9,6 +9,7 @@ use world::env::{
     ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, Placement, ReferenceFrame,
     Scaling, TargetBox,
 };
+use world::geometry::Point;
 use world::sim::{Gait, PedestrianBody};
 
 /// Heights of the adult and the child target of Euro NCAP (m).
@@ -58,6 +59,9 @@ keys! {
         /// Where the heading it chooses is measured from; `meeting` is the direction in which it would meet the car's bumper at
         /// the speed it chooses, if the car kept its velocity.
         action_frame: ReferenceFrame = "heading",
+        /// The place to which it is on its way with `action_frame: destination`, where its heading is a correction of that way; without it, it crosses
+        /// the road.
+        destination: Option<[f64; 2]>,
         /// Units of its state: rad, m, rad, m/s, or those over π, 30, π, 8.
         observation_scaling: Scaling = "natural",
         /// Units of its action: rad and m/s, or the whole range as -1 to 1.
@@ -87,6 +91,12 @@ pub fn check(block: &Block, said: &mut Vec<Diagnostic>) {
         said.push(diagnostics::contradiction(block.place("rays"), message).help("write 4, 8, 12, 16 or more"));
     }
     let given = |key: &str| block.places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
+    if let Some(span) =
+        given("destination").filter(|_| block.keys::<BodyKeys>().action_frame != ReferenceFrame::Destination)
+    {
+        let message = "`destination` is where headings are measured from only in the frame of that name".to_string();
+        said.push(diagnostics::contradiction(span, message).help("add `action_frame: destination`"));
+    }
     match given("acceleration") {
         Some(acceleration) => {
             for (key, what) in [("ramp", "the time to any speed"), ("turning", "a rate of turning without inertia")] {
@@ -139,6 +149,7 @@ pub fn lower(keys: BodyKeys) -> PedestrianRole {
             speed: keys.speed,
             heading: keys.heading.unwrap_or(ActionSpec::ANY_HEADING),
             frame: keys.action_frame,
+            destination: keys.destination.map(|[x, y]| Point::new(x, y)),
             scaling: keys.action_scaling,
         },
         controller: Controller::External,

@@ -52,6 +52,7 @@ pub fn action() -> String {
         speed: (0.0, 3.5),
         heading: ActionSpec::ANY_HEADING,
         frame: ReferenceFrame::Heading,
+        destination: None,
         scaling,
     };
     let mut page =
@@ -63,6 +64,7 @@ pub fn action() -> String {
         ReferenceFrame::LineOfSight,
         ReferenceFrame::World,
         ReferenceFrame::Meeting,
+        ReferenceFrame::Destination,
     ];
     let _ = write!(
         page,

@@ -283,7 +283,7 @@ impl Lowering<'_> {
             is_pedestrian(each) && each.declaration.block.keys::<PedestrianKeys>().moved_by.is_none()
         };
         if !written.iter().any(|each| is_left(&each)) {
-            let help = "leave one pedestrian without a `walker`: trainings, `pedestrians` and searches move it";
+            let help = "leave one pedestrian without `moved_by`: trainings, `pedestrians` and searches move it";
             self.contradict(
                 campaign.place("cast"),
                 "the blocks of the campaign move no pedestrian of this cast".into(),
@@ -478,7 +478,7 @@ impl Lowering<'_> {
             let controller = match &keys.moved_by {
                 None => Controller::External,
                 Some(Value::Choice(STILL)) => Controller::Own(falsifier::Controller::new(STILL, || Box::new(Scripted))),
-                Some(word) => Controller::Own(self.untrained(block, "walker", word, place.is_none())?.0),
+                Some(word) => Controller::Own(self.untrained(block, "moved_by", word, place.is_none())?.0),
             };
             let adversary = keys.body.map(|id| self.adversary(id).value);
             let member = Walking { name, adversary, controller, place };

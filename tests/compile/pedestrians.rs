@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
-use world::env::{Outcome, Scenario, Trace};
+use world::env::{Outcome, ReferenceFrame, Scaling, Scenario, Trace};
 use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_observed};
-use world::geometry::Obstacles;
+use world::geometry::{Obstacles, Point, wrap_angle};
 use world::judge::PedestrianMotion;
 use world::sim::Gait;
 
@@ -103,4 +103,38 @@ fn what_a_plausible_pedestrian_does_in_free_space_is_foreseeable() {
     assert!(fastest.iter().any(|motion| motion.peak_speed > 2.2), "{fastest:?}");
     let changes = motions(&free("plausible"), &mut Random::default(), 40);
     assert!(changes.iter().any(|motion| motion.velocity_change > 1.6), "{changes:?}");
+}
+
+#[test]
+fn a_pedestrian_that_corrects_its_way_stays_on_it() {
+    const CORRECTION: f64 = 0.3;
+    let plan = plan();
+    for destination in [None, Some(Point::new(20.0, 4.0))] {
+        let mut scenario = Scenario::clone(&scenario(&plan, "suicidal"));
+        let action = &mut scenario.cast.pedestrians[0].action;
+        (action.frame, action.heading) = (ReferenceFrame::Destination, (-CORRECTION, CORRECTION));
+        (action.scaling, action.destination) = (Scaling::Natural, destination);
+        let scenario = Arc::new(scenario);
+        let mut largest = 0.0_f64;
+        let note = &mut |_: u32, _: &Outcome, trace: &Trace| {
+            let pair = trace.main_pair(&scenario);
+            let (car, start) = (pair.frame(0).ego.pose, pair.frame(0).pedestrian.pose.position());
+            for tick in 0..pair.len() {
+                let Some(command) = pair.decision(tick) else { continue };
+                let frame = pair.frame(tick);
+                let way = destination.map_or_else(
+                    || car.left() * -car.to_local(start).y.signum(),
+                    |there| there - frame.pedestrian.pose.position(),
+                );
+                let correction = wrap_angle(command.heading - way.y.atan2(way.x));
+                assert!(correction.abs() < CORRECTION + 1e-9, "{destination:?} {correction}");
+                assert!((pair.action(&frame, command)[0] - correction).abs() < 1e-9);
+                largest = largest.max(correction.abs());
+            }
+        };
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let seed = Seed::root(3);
+        evaluate_observed(&mut Random::default(), &scenario, 0..20, &seed, &seed.child("walker"), note, go_on);
+        assert!(largest > 0.8 * CORRECTION, "{largest}");
+    }
 }

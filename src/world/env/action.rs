@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::{ReferenceFrame, Scaling};
-use crate::geometry::wrap_angle;
+use crate::geometry::{Point, wrap_angle};
 use crate::sim::WalkCommand;
 
 /// Converts the numbers of an action to a command of a pedestrian: heading, then speed.
@@ -13,6 +13,8 @@ pub struct ActionSpec {
     pub heading: (f64, f64),
     /// The direction from which the chosen heading is measured.
     pub frame: ReferenceFrame,
+    /// Where it walks to in the frame of that name; without a place it crosses the road.
+    pub destination: Option<Point>,
     /// The units of the action.
     pub scaling: Scaling,
 }
@@ -73,7 +75,7 @@ impl ActionSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Pose};
+    use crate::geometry::Pose;
 
     #[test]
     fn commands_and_actions_are_inverse_in_every_frame() {
@@ -81,7 +83,13 @@ mod tests {
         use ReferenceFrame::{Heading, Initial, LineOfSight, World};
         for frame in [Heading, Initial, LineOfSight, World] {
             for scaling in [Scaling::Natural, Scaling::Unit] {
-                let spec = ActionSpec { speed: (0.0, 3.5), heading: ActionSpec::ANY_HEADING, frame, scaling };
+                let spec = ActionSpec {
+                    speed: (0.0, 3.5),
+                    heading: ActionSpec::ANY_HEADING,
+                    frame,
+                    destination: None,
+                    scaling,
+                };
                 let command = WalkCommand { heading: -1.2, speed: 2.0 };
                 let origin = |_: f64| frame.origin(&pose, 0.3, ego);
                 let action = spec.action_for(command, origin);
@@ -100,6 +108,7 @@ mod tests {
             speed: (0.8, 2.2),
             heading: (-0.35, 0.25),
             frame: ReferenceFrame::Initial,
+            destination: None,
             scaling: Scaling::Natural,
         };
         for (number, scaling) in [(5.0, Scaling::Natural), (1.0, Scaling::Unit)] {

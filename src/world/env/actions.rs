@@ -1,7 +1,7 @@
 use super::trace::Driven;
 use super::{Cast, Controller};
 use crate::av::DrivingMode;
-use crate::geometry::wrap_angle;
+use crate::geometry::{Pose, wrap_angle};
 use crate::sim::{ActorStart, Contact, Control, Vehicle, VehicleState, WalkCommand};
 
 /// What the actors of an episode do: the command of each pedestrian, what each driver did in the last tick, and the touch in it.
@@ -11,6 +11,8 @@ pub struct Actions {
     pub(super) bounds: Vec<(f64, f64)>,
     /// The bounds of the action of each pedestrian, one after another.
     pub(super) each_bounds: Vec<(f64, f64)>,
+    /// Where the ego is at the start.
+    pub(super) ego: Pose,
     /// Where each pedestrian starts.
     pub starts: Vec<ActorStart>,
     /// The command that each pedestrian carries out.
@@ -32,6 +34,7 @@ impl Actions {
         Self {
             bounds: cast.action_bounds(),
             each_bounds: cast.pedestrians.iter().flat_map(|role| role.action.bounds()).collect(),
+            ego: Pose::default(),
             starts: vec![ActorStart::default(); pedestrians],
             commands: vec![WalkCommand::default(); pedestrians],
             turns: vec![0.0; pedestrians],
@@ -41,8 +44,9 @@ impl Actions {
         }
     }
 
-    /// The pedestrians appear at their starts and stand.
-    pub fn begin(&mut self) {
+    /// The pedestrians appear at their starts and stand; the ego is here.
+    pub fn begin(&mut self, ego: Pose) {
+        self.ego = ego;
         for (command, start) in self.commands.iter_mut().zip(&self.starts) {
             *command = WalkCommand { heading: start.pose.yaw, speed: 0.0 };
         }

@@ -35,7 +35,7 @@ mod outcome;
 mod criterion;
 mod failure_cell;
 mod run_up;
-mod pursuit;
+pub(crate) mod pursuit;
 mod scene;
 mod actions;
 mod own_walkers;

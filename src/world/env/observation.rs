@@ -182,7 +182,8 @@ mod tests {
         for frame in [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::World] {
             let scaling = Scaling::Natural;
             let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0, others: 0 };
-            let action = ActionSpec { frame, scaling, speed: (0.0, 3.5), heading: ActionSpec::ANY_HEADING };
+            let action =
+                ActionSpec { frame, scaling, speed: (0.0, 3.5), heading: ActionSpec::ANY_HEADING, destination: None };
             let seen = Observation::new(&pose, 0.0, &ego, 5.0, ObservedSpeed::Ego);
             let state = observation.encode(&seen, &pose, 0.3, ego.position());
             let command = action.command([state[0], 1.0], |_| frame.origin(&pose, 0.3, ego.position()));

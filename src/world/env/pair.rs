@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::pursuit::meeting_heading;
+use super::pursuit::{meeting_heading, walking_heading};
 use super::trace::VehicleFrame;
 use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, RecordedActor, ReferenceFrame, Scenario, Trace};
 use crate::av::{DrivingMode, EYE};
@@ -137,6 +137,10 @@ impl<'a> Pair<'a> {
     pub fn action(&self, frame: &Frame, decision: WalkCommand) -> [f64; ActionSpec::DIM] {
         let (pose, ego, action) = (&frame.pedestrian.pose, &frame.ego, &self.role.action);
         let origin = |speed: f64| match action.frame {
+            ReferenceFrame::Destination => {
+                let start = self.walking.first().map_or(pose.position(), |first| first.pose.position());
+                walking_heading(pose.position(), action.destination, &self.frame(0).ego.pose, start)
+            }
             ReferenceFrame::Meeting => {
                 let bumper = ego.pose.to_world(Vector::new(self.blueprint.half_length, 0.0));
                 meeting_heading(pose.position(), ego, bumper, speed, 1.0)

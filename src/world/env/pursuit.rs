@@ -1,6 +1,6 @@
-//! The heading of a pedestrian that meets a moving car.
+//! The heading of a pedestrian that meets a moving car, and of one that is on its way.
 
-use crate::geometry::{Point, Vector, wrap_angle};
+use crate::geometry::{Point, Pose, Vector, wrap_angle};
 use crate::sim::VehicleState;
 
 /// The heading (rad) in which a pedestrian here meets a point of the ego at this speed (m/s). See [`Scene::meeting`](super::Scene::meeting).
@@ -9,6 +9,17 @@ pub(super) fn meeting_heading(here: Point, ego: &VehicleState, point: Point, spe
     let velocity = ego.pose.forward() * ego.speed;
     let place = offset + velocity * (lead * meeting_time(offset, velocity, speed).unwrap_or(0.0));
     wrap_angle(libm::atan2(place.y, place.x))
+}
+
+/// The heading (rad) of a pedestrian here on its way to a destination; without one, straight across the way of the ego as both were at the start.
+pub(super) fn walking_heading(here: Point, destination: Option<Point>, ego: &Pose, start: Point) -> f64 {
+    destination.map_or_else(|| across(ego, start), |there| libm::atan2(there.y - here.y, there.x - here.x))
+}
+
+/// The direction straight across the way of a car, away from the side of a place (rad).
+pub(crate) fn across(car: &Pose, place: Point) -> f64 {
+    let across = car.left() * if car.to_local(place).y > 0.0 { -1.0 } else { 1.0 };
+    libm::atan2(across.y, across.x)
 }
 
 /// The least time (s) after which a pedestrian at the origin can reach a car at `offset` with `velocity`.

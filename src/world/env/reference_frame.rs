@@ -16,6 +16,9 @@ choice! {
         /// The direction in which the pedestrian would meet the middle of the ego's bumper at the speed that it chooses, if the ego kept its
         /// velocity. Only actions have it: what a trained pedestrian chooses is a correction of an intercepting pedestrian.
         Meeting = "meeting",
+        /// The line from the pedestrian to its `destination`, or straight across the way of the car as it was at the start. Only actions have it: what
+        /// a pedestrian chooses is a correction of its walk.
+        Destination = "destination",
     }
 }
 
@@ -27,6 +30,9 @@ impl ReferenceFrame {
             Self::Initial => "the pedestrian's heading at the start of the episode",
             Self::LineOfSight => "the line from the pedestrian to the middle of the car",
             Self::World => "the world's x axis, which points east",
+            Self::Destination => {
+                "the line from the pedestrian to its `destination`; without one, straight across the way of the car at the start"
+            }
             Self::Meeting => {
                 "the direction in which the pedestrian meets the middle of the car's bumper at the chosen speed, if the car keeps its velocity"
             }
@@ -40,7 +46,7 @@ impl ReferenceFrame {
             Self::Initial => initial_heading,
             Self::LineOfSight => libm::atan2(ego.y - pedestrian.y, ego.x - pedestrian.x),
             Self::World => 0.0,
-            Self::Meeting => unreachable!("checked: only actions are measured from the meeting"),
+            Self::Meeting | Self::Destination => unreachable!("checked: only actions are measured from there"),
         }
     }
 }

@@ -1,6 +1,6 @@
 use std::borrow::Cow;
 
-use super::pursuit::meeting_heading;
+use super::pursuit::{meeting_heading, walking_heading};
 use super::trace::Driven;
 use super::{
     ActionSpec, Actions, Cast, Controller, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario,
@@ -157,6 +157,11 @@ impl<'a> Scene<'a> {
     fn origin(&self, pedestrian: usize, frame: ReferenceFrame, speed: f64) -> f64 {
         let (pose, initial, place) = self.viewpoint(pedestrian);
         match frame {
+            ReferenceFrame::Destination => {
+                let start = self.actions.starts[pedestrian].pose.position();
+                let destination = self.scenario.cast.pedestrians[pedestrian].action.destination;
+                walking_heading(pose.position(), destination, &self.actions.ego, start)
+            }
             ReferenceFrame::Meeting => {
                 let ego = self.world.ego();
                 let bumper = ego.state.pose.to_world(Vector::new(ego.blueprint.half_length, 0.0));

@@ -3,6 +3,7 @@ use rand::RngExt;
 use super::recorded_walking::PREFERRED;
 use super::social_force::among_others;
 use super::{RecordedWalking, WalkPolicy};
+use crate::env::pursuit::across;
 use crate::env::{Pair, Scene};
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::sim::{PedestrianBody, VehicleBlueprint, VehicleState, WalkCommand};
@@ -130,7 +131,7 @@ impl Natural {
         };
         let heeds = stream.random::<f64>() < self.heed;
         let here = scene.world.pedestrians[pedestrian].state.pose.position();
-        let across = across(&scene.world.ego().state, here);
+        let across = across(&scene.world.ego().state.pose, here);
         Walk { preferred, gap: if heeds { gap } else { f64::NEG_INFINITY }, across, walking: None }
     }
 }
@@ -153,13 +154,6 @@ impl Walk {
         }
         gap(&ego.state, &ego.blueprint, &person.body, place, self.preferred).is_none_or(|gap| gap >= self.gap)
     }
-}
-
-/// The direction straight across the way of the car, away from the side of a place (rad).
-fn across(ego: &VehicleState, place: Point) -> f64 {
-    let aside = ego.pose.to_local(place).y;
-    let across = ego.pose.left() * if aside > 0.0 { -1.0 } else { 1.0 };
-    libm::atan2(across.y, across.x)
 }
 
 /// The time that is left between a pedestrian who sets off now at a speed (m/s), once out of the car's width, and the car (s). `None` if it needs no
@@ -190,7 +184,7 @@ pub fn log_likelihood(pair: &Pair<'_>, decisions: &[WalkCommand]) -> f64 {
     let rule = &pair.scenario.episode;
     let seconds = f64::from(rule.hold) * rule.tick;
     let Some(first) = pair.walking.first() else { return 0.0 };
-    let across = across(&pair.frame(0).ego, first.pose.position());
+    let across = across(&pair.frame(0).ego.pose, first.pose.position());
     let (mut log, mut refused) = (0.0, 0.0_f64);
     // The preferred speed, then the speed and the direction of the last decision.
     let mut walk: Option<(f64, f64, f64)> = None;

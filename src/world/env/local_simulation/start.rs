@@ -105,7 +105,7 @@ impl LocalSimulation {
     /// The pedestrians appear, and the cars that follow the ego: tick 0 of the episode.
     fn meet(&mut self) {
         self.run_up.stage = Stage::Encounter;
-        self.actions.begin();
+        self.actions.begin(self.world.ego().state.pose);
         let Self { scenario, world, actions, .. } = self;
         for (pedestrian, role) in world.pedestrians.iter_mut().zip(&scenario.cast.pedestrians) {
             pedestrian.is_present = !role.is_absent;
