@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_824),
     ("src/results", 26_347),
     ("src/program", 12_980),
-    ("tests", 29_157),
+    ("tests", 29_162),
 ];
 
 /// Crates that only some places may name.

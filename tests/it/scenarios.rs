@@ -8,6 +8,8 @@ use crate::program::command;
 
 #[test]
 fn every_file_checks_without_a_word() {
+    // Two studies keep the towns of their figures, in which drivers meet turns too fast.
+    let is_kept = |file: &Path, line: &str| line.contains("fast-bend") && file.parent().unwrap().ends_with("studies");
     let files = shipped("scenarios");
     assert!(files.len() >= 4, "{files:?}");
     for file in &files {
@@ -22,11 +24,14 @@ fn every_file_checks_without_a_word() {
         if text.contains("falsify_av.bridges") || world::env::BRIDGES.iter().any(is_named) {
             let output = check.args(["check", "--format", "json"]).arg(file).output().unwrap();
             let said = String::from_utf8_lossy(&output.stdout).into_owned();
-            assert!(said.lines().all(|line| line.contains("external-not-allowed")), "{}: {said}", file.display());
+            let is_expected = |line: &str| line.contains("external-not-allowed") || is_kept(file, line);
+            assert!(said.lines().all(is_expected), "{}: {said}", file.display());
             continue;
         }
         let output = check.args(["check", "--allow-external"]).arg(file).output().unwrap();
-        assert!(output.status.success() && output.stderr.is_empty(), "{}: {output:?}", file.display());
+        let said = String::from_utf8_lossy(&output.stderr);
+        let mut words = said.lines().filter(|line| line.starts_with("warning") || line.starts_with("error"));
+        assert!(output.status.success() && words.all(|line| is_kept(file, line)), "{}: {said}", file.display());
     }
 }
 
