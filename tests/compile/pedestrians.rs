@@ -126,7 +126,7 @@ fn a_pedestrian_that_corrects_its_way_stays_on_it() {
                     || car.left() * -car.to_local(start).y.signum(),
                     |there| there - frame.pedestrian.pose.position(),
                 );
-                let correction = wrap_angle(command.heading - way.y.atan2(way.x));
+                let correction = wrap_angle(command.heading - libm::atan2(way.y, way.x));
                 assert!(correction.abs() < CORRECTION + 1e-9, "{destination:?} {correction}");
                 assert!((pair.action(&frame, command)[0] - correction).abs() < 1e-9);
                 largest = largest.max(correction.abs());

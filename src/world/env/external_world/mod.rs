@@ -6,7 +6,7 @@
 //!   contacts, judges  checks              given from above)
 //! ```
 //! Drivers, pedestrians, contacts, signals and verdicts stay ours: they see the poses that come back. The protocol is described in
-//! `docs/src/how-to/worlds.md`. A program cannot copy its state, so an episode in it has no snapshot.
+//! `docs/src/how-to/bridge.md`. A program cannot copy its state, so an episode in it has no snapshot.
 
 mod bridge;
 mod message;
@@ -24,7 +24,7 @@ pub(super) use bridge::Bridge;
 pub use message::{Abilities, HERE, PROTOCOL};
 
 keys! {
-    /// A program that bridges to another simulator over its standard input and output (`docs/src/how-to/worlds.md`): it loads the map, moves the car, and
+    /// A program that bridges to another simulator over its standard input and output (`docs/src/how-to/bridge.md`): it loads the map, moves the car, and
     /// places the pedestrian. It is started only where `--allow-external` is given; a check starts it to ask what the simulator can do.
     pub struct BridgeKeys = "bridge" {
         ..program: ProgramKeys,
