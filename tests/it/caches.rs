@@ -196,10 +196,13 @@ fn what_others_put_into_a_cache_stays_and_no_link_is_followed() {
         std::fs::create_dir(store.join("work-2026")).unwrap();
         std::fs::write(store.join("work-2026/a.tex"), "thesis").unwrap();
         std::os::unix::fs::symlink(here.join("theirs"), store.join("work-abcdef")).unwrap();
-        std::os::unix::fs::symlink(here.join("theirs"), store.join("tasks/01")).unwrap();
+        // A task of the campaign may have any of these first digits.
+        let mut free = (0..=u8::MAX).map(|first| store.join(format!("tasks/{first:02x}"))).filter(|path| !path.exists());
+        std::os::unix::fs::symlink(here.join("theirs"), free.next().unwrap()).unwrap();
+        let second = free.next().unwrap();
         std::os::unix::fs::symlink(here.join("theirs"), store.join("campaigns/0000000000000000")).unwrap();
-        std::fs::create_dir(store.join("tasks/02")).unwrap();
-        std::os::unix::fs::symlink(here.join("theirs").join(task), store.join("tasks/02").join(task)).unwrap();
+        std::fs::create_dir(&second).unwrap();
+        std::os::unix::fs::symlink(here.join("theirs").join(task), second.join(task)).unwrap();
     }
     for place in [&["--out", "out", "--cache", "cache"][..], &["--out", "beside"]] {
         let output = falsify(&[&["status", "--prune", "--gone"], place].concat(), here);

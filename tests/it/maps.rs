@@ -155,11 +155,8 @@ fn a_page_follows_its_file_and_gives_places_that_a_scenario_takes() {
         "document.querySelectorAll('path.ego').length > 20 && document.querySelector('.meta').textContent.includes('no errors') && \
          [...document.querySelectorAll('g circle.ego')].every((start) => Math.abs(start.cx.baseVal.value - 55) < 6.5)",
     );
-    assert_eq!(
-        tab.value("document.querySelectorAll('.places code').length"),
-        json!(3),
-        "the place that was clicked is kept"
-    );
+    // The page may be loading again: the place that was clicked is kept.
+    becomes(&mut tab, "document.querySelectorAll('.places code').length === 3");
     // A mistake is shown beside the last maps, and its repair removes it.
     std::fs::write(&file, changed.replace("budget: 2_000", "budget: 2_000 m")).unwrap();
     becomes(
