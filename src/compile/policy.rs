@@ -71,6 +71,14 @@ fn sensor_model(declaration: &Declaration, lowering: &Lowering<'_>) -> Option<Ar
     sensors.map(|sensors| Arc::new(sensors::lower(&lowering.program.get(sensors).block)))
 }
 
+/// The kinds that know of every actor, through walls, unless their sensors say otherwise.
+const SEEING_THROUGH: [&str; 5] = ["behavior_agent", "interfuser", "aeb", "rss_guarded", "predictive"];
+
+/// Whether a driver sees actors behind obstacles.
+pub fn sees_through(declaration: &Declaration, lowering: &Lowering<'_>) -> bool {
+    SEEING_THROUGH.contains(&declaration.kind) && sensor_model(declaration, lowering).is_none_or(|model| !model.looks())
+}
+
 /// A driver with the delay of its arguments and behind sensors.
 pub(crate) fn assembled(mut make: PolicyMaker, arguments: &Arguments, model: Option<Arc<SensorModel>>) -> PolicyMaker {
     let CommonKeys { actuation_delay, .. } = CommonKeys::read(arguments);

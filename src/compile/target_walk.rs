@@ -5,6 +5,7 @@ use lang::diagnostics;
 use lang::hir::Declaration;
 use world::env::{
     EgoSpeed, EgoStart, Measure, RoadShape, SpawnRule, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
+    euro_ncap_bands,
 };
 
 /// Half the length of the longest car of the catalogue (m), for checks that do not know the car.
@@ -39,7 +40,7 @@ keys! {
         /// The box of the target with its impact point: 0.6 m by 0.5 m and 0.36 m behind its front, or 0.711 m by 0.298 m and
         /// 0.396 m.
         target: Target = "adult",
-        /// How reports judge an impact speed: passed without contact, the colours of Euro NCAP, or the limits of UN R152 for M1
+        /// How reports judge an impact speed: passed without contact, the colours of Euro NCAP 2026, or the limits of UN R152 for M1
         /// and N1.
         criterion: TestCriterion = "no_collision",
     }
@@ -122,6 +123,15 @@ fn lower(
             diagnostics::contradiction(block.place("test_speeds"), message)
                 .label(block.place("walking_speed"), "its speed is this"),
         );
+        return None;
+    }
+    let has_colours = |speed: &&f64| euro_ncap_bands(**speed).is_some();
+    if let Some(speed) = test.test_speeds.iter().find(|speed| !has_colours(speed))
+        && test.criterion == TestCriterion::EuroNcap
+    {
+        let message = format!("Euro NCAP has no colours at {:.1} km/h", speed * 3.6);
+        let help = "give 10, 20, 30, 40 km/h, or 50 km/h and more; or another `criterion`, such as `no_collision`";
+        said.push(diagnostics::contradiction(block.place("test_speeds"), message).help(help));
         return None;
     }
     let needed = (walk.distance + walk.reach) / walk.speed.max(1e-9);

@@ -197,7 +197,8 @@ fn what_others_put_into_a_cache_stays_and_no_link_is_followed() {
         std::fs::write(store.join("work-2026/a.tex"), "thesis").unwrap();
         std::os::unix::fs::symlink(here.join("theirs"), store.join("work-abcdef")).unwrap();
         // A task of the campaign may have any of these first digits.
-        let mut free = (0..=u8::MAX).map(|first| store.join(format!("tasks/{first:02x}"))).filter(|path| !path.exists());
+        let mut free =
+            (0..=u8::MAX).map(|first| store.join(format!("tasks/{first:02x}"))).filter(|path| !path.exists());
         std::os::unix::fs::symlink(here.join("theirs"), free.next().unwrap()).unwrap();
         let second = free.next().unwrap();
         std::os::unix::fs::symlink(here.join("theirs"), store.join("campaigns/0000000000000000")).unwrap();

@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_530),
     ("src/learn", 5_524),
-    ("src/world", 37_908),
+    ("src/world", 38_008),
     ("src/ported", 4_642),
-    ("src/lang", 6_509),
-    ("src/compile", 8_259),
+    ("src/lang", 6_516),
+    ("src/compile", 8_290),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_347),
-    ("src/program", 12_980),
-    ("tests", 29_162),
+    ("src/results", 26_367),
+    ("src/program", 12_994),
+    ("tests", 29_206),
 ];
 
 /// Crates that only some places may name.

@@ -91,7 +91,7 @@ fn the_same_driver_has_nothing_new_and_nothing_fixed() {
     let gate = |condition: &str| {
         falsify(&["recheck", "reports/versions", "--starts", "2", "--fail-if", condition], here).status.code()
     };
-    assert_eq!(gate("faults_new > 0"), Some(0));
+    assert_eq!(gate("faults_new > 0"), Some(7), "two starts without a fault say nothing");
     assert_eq!(gate("turned_faults > 0"), Some(0));
     assert_eq!(gate("failures > 0"), Some(7));
     assert_eq!(gate("starts >= 2 and driver == mine"), Some(7));

@@ -90,6 +90,42 @@ fn a_car_that_reverses_touches_with_its_rear() {
     assert_eq!(judged(folder.path(), &text, &[])["side"], "rear");
 }
 
+/// A car that drives on at 3 m/s, and a pedestrian that comes from the left at 1.7 m/s and touches the corner of its rear, which has just passed.
+#[test]
+fn who_walks_into_the_rear_of_a_car_that_passes_is_no_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
+    // The radius of the pedestrian and half the width of the car.
+    let beside = 0.188 + 1.08;
+    for instant in 0..160 {
+        let time = f64::from(instant) * 0.05 - 6.0;
+        let _ = writeln!(text, "{:.2},0,{},{},0,0,3", time + 6.0, beside + 0.02 - 1.7 * time, 2.395 + 3.0 * time);
+    }
+    let found = judged(folder.path(), &text, &[]);
+    assert_eq!((&found["side"], &found["counts_as"]), (&"rear".into(), &"flank".into()), "{found}");
+}
+
+#[test]
+fn a_car_that_brakes_better_is_compared_with_careful_humans_who_do() {
+    let folder = tempfile::tempdir().unwrap();
+    // At 50 km/h, a pedestrian sets off 2.45 s before the touch.
+    let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
+    let (speed, walking, before) = (13.889, 1.389, 2.45);
+    for instant in 0..140 {
+        let time = f64::from(instant) * 0.05 - 6.0;
+        let y = walking * ((time + before).max(0.0) - before);
+        let _ = writeln!(text, "{:.2},2.6,{y},{},0,0,{speed}", time + 6.0, speed * time);
+    }
+    let [worse, better] = ["7.01", "8"].map(|brake| judged(folder.path(), &text, &["--full-brake", brake]));
+    assert_eq!((&worse["full_brake_mps2"], &worse["avoided_by"]["cc"]), (&7.01.into(), &false.into()));
+    assert_eq!(better["avoided_by"]["cc"], true);
+    let output = falsify(&["judge", "trace.csv", "--full-brake", "-1"], folder.path());
+    assert!(!output.status.success(), "{output:?}");
+    let text = falsify(&["judge", "trace.csv", "--width", "1.8"], folder.path());
+    let said = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(said.contains("assumed: a car of 4.79 m by 1.80 m that brakes with at most 7.01 m/s^2"), "{said}");
+}
+
 #[test]
 fn noise_makes_no_runner_of_the_fastest_pedestrian() {
     let folder = tempfile::tempdir().unwrap();

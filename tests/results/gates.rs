@@ -48,6 +48,7 @@ fn of_gate(cells: &DataFrame, gate: &Gate) -> String {
         Judged::Thin(_) => 't',
         Judged::TooFewStarts(_) => 's',
         Judged::TooFewSearched(_) => 'S',
+        Judged::TooFewRechecked(_) => 'R',
         Judged::NotTested(_) => 'N',
         Judged::NotMet { all: true, .. } => 'A',
         Judged::NotMet { .. } => 'u',

@@ -140,6 +140,9 @@ impl Lowering<'_> {
         let (towns, policies) = (self.towns(&places.towns), self.policies(&places.drivers));
         let ground = Ground { towns, policies, spawn, roles: usual.roles.clone() };
         self.compare_ticks(episode, block, &places.drivers);
+        if ground.spawn.value.target_walk.as_ref().is_some_and(|walk| walk.hidden) {
+            self.warn_of_sight(block, &places.drivers, &ground.spawn.name);
+        }
         if block.places.iter().all(|(key, _)| *key != "worlds") {
             let rule = self.program.get(episode).block.keys();
             self.worlds_fit(block, &[None], &ground, &rule);
@@ -164,6 +167,17 @@ impl Lowering<'_> {
                 let span = block.members("drivers").get(place).copied().unwrap_or(block.head);
                 let given = episode.block.place("tick");
                 self.said.push(diagnostics::other_tick(span, &policy.name, made_for, tick, given));
+            }
+        }
+    }
+
+    /// Reports the drivers of a block that see a target behind parked cars.
+    fn warn_of_sight(&mut self, block: &Block, drivers: &[DeclarationId], test: &str) {
+        for (place, id) in drivers.iter().enumerate() {
+            let driver = self.program.get(*id);
+            if policy::sees_through(driver, self) {
+                let span = block.members("drivers").get(place).copied().unwrap_or(block.head);
+                self.said.push(diagnostics::sees_through(span, &driver.name, test));
             }
         }
     }

@@ -196,6 +196,13 @@ pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
         .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"))
 }
 
+/// A driver sees the target of a test behind the parked cars that should hide it.
+pub fn sees_through(span: Span, driver: &str, test: &str) -> Diagnostic {
+    Diagnostic::warning("sees-through", span, format!("`{driver}` sees the target of `{test}` through the parked cars"))
+        .here("its sensors are `perfect`, or have no `least_visible`")
+        .help("give the driver sensors that obstacles hide actors from: `sensors: sight` of `std/sensors.scn`")
+}
+
 /// A controller cannot walk as this adversary.
 pub fn unfit_pedestrian(span: Span, controller: &str, adversary: &str, reason: &str) -> Diagnostic {
     let message = format!("`{controller}` cannot walk as the `body` `{adversary}`: {reason}");

@@ -10,6 +10,7 @@ use crate::session::{Error, Input, Session};
 use lang::reason;
 use world::env::Scenario;
 use world::judge::{Encountered, Recording, RecordingFileError, Reference, Sizes, Verdict};
+use world::sim::VehicleBlueprint;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -46,6 +47,9 @@ pub struct JudgeArgs {
     /// Radius of the pedestrian (m); without it that of the paper's pedestrian, 0.188.
     #[arg(long, value_name = "METRES")]
     pub radius: Option<f64>,
+    /// Deceleration of the car at full brake (m/s²); without it that of the paper's car, 7.01. Careful humans brake with it, at most with 7.59.
+    #[arg(long, value_name = "M/S2")]
+    pub full_brake: Option<f64>,
     /// Print one JSON object, for programs.
     #[arg(long)]
     pub json: bool,
@@ -67,24 +71,32 @@ const PAPER_FILE: &str = "recording.scn";
 
 /// `falsify judge`
 pub fn judge(options: &JudgeArgs) -> Ended {
-    let (found, recording) = judged(options).map_err(failed)?;
+    let (found, recording, car) = judged(options).map_err(failed)?;
     if options.json {
-        console::say(&as_json(&found).to_string());
+        console::say(&as_json(&found, &car).to_string());
     } else {
         tell(&found, &recording);
+        console::say(&format!(
+            "assumed: a car of {:.2} m by {:.2} m that brakes with at most {:.2} m/s^2, daylight, a dry road, and nothing that hides the pedestrian",
+            2.0 * car.half_length,
+            2.0 * car.half_width,
+            car.full_brake
+        ));
     }
     Ok(ExitCode::Done)
 }
 
 /// Judges the first touch of a car and a pedestrian that were recorded elsewhere, on a plane without obstacles.
-fn judged(options: &JudgeArgs) -> Result<(Encountered, Recording), Error> {
+fn judged(options: &JudgeArgs) -> Result<(Encountered, Recording, VehicleBlueprint), Error> {
     let refused = |reason: String| Error::Usage(format!("cannot judge `{}`: {reason}", options.file.display()));
     let text = base::files::text(&options.file).map_err(|error| refused(reason(&error)))?;
     let recording = Recording::from_csv(&text).map_err(|error| refused(error.to_string()))?;
     let mut scenario = paper()?;
-    let sizes = Sizes { length: options.length, width: options.width, radius: options.radius };
+    let sizes =
+        Sizes { length: options.length, width: options.width, radius: options.radius, full_brake: options.full_brake };
     sizes.apply(&mut scenario).map_err(|error| refused(RecordingFileError::from(error).to_string()))?;
-    Ok((recording.judged_without_obstacles(&scenario), recording))
+    let car = scenario.cast.ego().blueprint.clone();
+    Ok((recording.judged_without_obstacles(&scenario), recording, car))
 }
 
 /// The scenario with the paper's car and pedestrian.
@@ -139,11 +151,10 @@ fn tell(found: &Encountered, recording: &Recording) {
         let result = if verdict.trial(reference).is_avoided() { "avoids it" } else { "does not avoid it" };
         console::say(&format!("  {:<14}{result}", reference.name()));
     }
-    console::say("assumed: daylight, a dry road, and nothing that hides the pedestrian");
 }
 
 /// Makes an object of the result, with the names of the table of episodes; what does not apply is null.
-fn as_json(found: &Encountered) -> serde_json::Value {
+fn as_json(found: &Encountered, car: &VehicleBlueprint) -> serde_json::Value {
     let verdict = found.verdict.as_ref().filter(|_| found.begins_late.is_none());
     let avoided = verdict.map(|verdict| {
         let of = |reference: Reference| (reference.name(), json!(verdict.trial(reference).is_avoided()));
@@ -164,5 +175,8 @@ fn as_json(found: &Encountered) -> serde_json::Value {
         "min_ttc_s": found.near_miss.min_ttc,
         "pet_s": found.near_miss.pet,
         "ignored_instants": found.ignored,
+        "car_length_m": 2.0 * car.half_length,
+        "car_width_m": 2.0 * car.half_width,
+        "full_brake_mps2": car.full_brake,
     })
 }

@@ -84,7 +84,7 @@ pub use simulation::{Draw, Observer, Phase, Simulation, WrapDriver, carry_out};
 pub use spawn::{
     CastSurvey, Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint,
     Placement, RoadShape, Spawn, SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk,
-    TestCase, TestCriterion, Unplaced,
+    TestCase, TestCriterion, Unplaced, euro_ncap_bands,
 };
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};

@@ -10,7 +10,7 @@ choice! {
     /// | class | when |
     /// |---|---|
     /// | `bump` | the car was at most 0.1 m/s fast |
-    /// | `not_preventable` | a careful human touches the pedestrian, too |
+    /// | `not_preventable` | not every careful human avoids it |
     /// | `unforeseeable` | the pedestrian did not move as people do |
     /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear. One that kept its velocity and is touched within half a metre and 0.1 s behind the bumper did not |
     /// | `slow` | the car was slower than [`WALKING_PACE`] |
@@ -22,7 +22,7 @@ choice! {
     pub enum Class {
         /// The car stood.
         Bump = "bump",
-        /// A careful human touches the pedestrian, too.
+        /// Not every careful human avoids it.
         NotPreventable = "not_preventable",
         /// The pedestrian did not move as people do.
         Unforeseeable = "unforeseeable",
@@ -86,7 +86,7 @@ impl Class {
     pub fn reason(self) -> &'static str {
         match self {
             Self::Bump => "the car stood",
-            Self::NotPreventable => "a careful human touches the pedestrian, too",
+            Self::NotPreventable => "not every careful human avoids it",
             Self::Unforeseeable => "the pedestrian did not move as people do",
             Self::Flank => "the pedestrian walked into the flank or the rear after the front had passed",
             Self::Slow => "the car was slower than 1 m/s",

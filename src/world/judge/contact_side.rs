@@ -51,14 +51,19 @@ const CORNER: (f64, f64) = (0.5, 0.1);
 pub(super) fn touched(pair: &Pair<'_>, motion: &PedestrianMotion) -> Option<(ContactSide, bool)> {
     let (contact, last, blueprint) = (pair.contact?, pair.last()?, pair.blueprint);
     let side = ContactSide::new(contact.ahead, contact.aside, Vector::new(blueprint.half_length, blueprint.half_width));
-    let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
-    let inward = if contact.aside > 0.0 { -sideways } else { sideways };
+    let closes = |direction: Vector| last.pedestrian.velocity.dot(&direction) > STANDING;
+    // The way from the pedestrian to the nearest corner or edge of the rear.
+    let beside = contact.aside - contact.aside.clamp(-blueprint.half_width, blueprint.half_width);
+    let (forward, left) = (last.ego.pose.forward(), last.ego.pose.left());
+    let to_rear = forward * (-blueprint.half_length - contact.ahead) - left * beside;
     let behind = blueprint.half_length - contact.ahead;
     let at_corner = behind <= CORNER.0.min(contact.impact_speed * CORNER.1);
     let walked = match side {
         ContactSide::Front => false,
-        ContactSide::Side => inward > STANDING && !(at_corner && motion.is_steady()),
-        ContactSide::Rear => last.pedestrian.velocity.dot(&last.ego.pose.forward()) > STANDING,
+        ContactSide::Side => closes(-left * contact.aside.signum()) && !(at_corner && motion.is_steady()),
+        // A car that reverses meets with its rear as with its front.
+        ContactSide::Rear if last.ego.speed < 0.0 => closes(forward),
+        ContactSide::Rear => closes(to_rear.try_normalize(1e-9).unwrap_or(forward)),
     };
     Some((side, walked))
 }

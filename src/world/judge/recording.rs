@@ -45,6 +45,8 @@ pub struct Sizes {
     pub width: Option<f64>,
     /// Radius of the pedestrian, 0.01 to 5.
     pub radius: Option<f64>,
+    /// Deceleration of the car at full brake (m/s²), 0.1 to 100.
+    pub full_brake: Option<f64>,
 }
 
 impl Sizes {
@@ -53,18 +55,23 @@ impl Sizes {
     /// # Errors
     /// The name of a size that is out of its range, the size, and the range.
     pub fn apply(self, scenario: &mut Scenario) -> Result<(), RecordingError> {
-        let within = |quantity, size: Option<f64>, low, high| match size {
-            Some(size) if !(low..=high).contains(&size) => Err(RecordingError::Size { quantity, size, low, high }),
+        let within = |quantity, size: Option<f64>, low, high, unit| match size {
+            Some(size) if !(low..=high).contains(&size) => {
+                Err(RecordingError::Size { quantity, size, low, high, unit })
+            }
             size => Ok(size),
         };
         let cast = &mut scenario.cast;
-        if let Some(length) = within("length", self.length, 0.1, 100.0)? {
+        if let Some(length) = within("length", self.length, 0.1, 100.0, "m")? {
             cast.vehicles[0].blueprint.half_length = length / 2.0;
         }
-        if let Some(width) = within("width", self.width, 0.1, 100.0)? {
+        if let Some(width) = within("width", self.width, 0.1, 100.0, "m")? {
             cast.vehicles[0].blueprint.half_width = width / 2.0;
         }
-        if let Some(radius) = within("radius", self.radius, 0.01, 5.0)? {
+        if let Some(brake) = within("full brake", self.full_brake, 0.1, 100.0, "m/s^2")? {
+            cast.vehicles[0].blueprint.full_brake = brake;
+        }
+        if let Some(radius) = within("radius", self.radius, 0.01, 5.0, "m")? {
             let body = &mut cast.pedestrians[0].body;
             (body.radius, body.target_box) = (radius, None);
         }
@@ -79,8 +86,8 @@ pub enum RecordingError {
     Instants { ego: usize, pedestrian: usize },
     #[error("the time between two instants is {0} s; give 0.001 s to 0.5 s")]
     Step(f64),
-    #[error("`{quantity}` is {size}; give {low} to {high} m")]
-    Size { quantity: &'static str, size: f64, low: f64, high: f64 },
+    #[error("`{quantity}` is {size}; give {low} to {high} {unit}")]
+    Size { quantity: &'static str, size: f64, low: f64, high: f64, unit: &'static str },
     #[error("instant {instant}: {fault}")]
     Instant { instant: usize, fault: InstantFault },
     #[error("the {who} moves {} its speed and the step of {dt} s explain: {likely}", times(*ratio))]
@@ -162,6 +169,8 @@ impl Recording {
     const OF_WAY: (f64, f64) = (1.5, 0.3);
     const BESIDES: f64 = 0.5;
     const OF_NOISE: f64 = 6.0;
+    /// The same length of a pedestrian in a short step, once spikes are removed: a length (m), and what a speed (m/s) explains.
+    const BESIDES_OF_PEDESTRIAN: (f64, f64) = (0.1, 4.0);
 
     /// Checks the states of both at instants that are `dt` (s) apart. A car that reverses has a negative speed.
     ///
@@ -229,7 +238,7 @@ impl Recording {
         let tracks = [("car", cars, TrackOf::Car), ("pedestrian", walkers, TrackOf::Pedestrian)];
         let jumps = |of_way: f64, most: usize, length: fn(&Vector, &Pose) -> f64| {
             let first = |(who, track, _): &(&'static str, Vec<_>, _)| {
-                Some((*who, Self::jump(track, dt, of_way, most, length)?))
+                Some((*who, Self::jump(track, dt, (of_way, Self::BESIDES), most, length)?))
             };
             match tracks.iter().filter_map(first).min_by_key(|(_, (instant, ..))| *instant) {
                 Some((who, (instant, moved, speed))) => {
@@ -254,7 +263,9 @@ impl Recording {
         for (who, track, track_of) in told {
             match misfit(track, dt, *track_of) {
                 None => {}
-                Some(Misfit::Speed { ratio, likely }) => return Err(RecordingError::Units { who, ratio, dt, likely }),
+                Some(Misfit::Speed { ratio, likely }) => {
+                    return Err(RecordingError::Units { who, ratio, dt: (dt * 1e6).round() / 1e6, likely });
+                }
                 Some(Misfit::Heading { degrees, likely }) => {
                     return Err(RecordingError::Heading { who, degrees, likely });
                 }
@@ -273,6 +284,15 @@ impl Recording {
         self.spikes.extend(car.into_iter().chain(pedestrian));
         self.spikes.sort_unstable();
         self.spikes.dedup();
+        let (length, speed) = Self::BESIDES_OF_PEDESTRIAN;
+        let besides = Self::BESIDES.min(length + speed * dt);
+        let states = self.pedestrian.iter().zip(&tracks[1].1).map(|(state, (_, speed))| (state.pose, *speed));
+        let track: Vec<(Pose, f64)> = states.collect();
+        let jump = Self::jump(&track, dt, (Self::OF_WAY.0, besides), usize::MAX, |moved, _| moved.norm());
+        if let Some((instant, moved, speed)) = jump {
+            let fault = InstantFault::Jump { who: "pedestrian", moved, speed };
+            return Err(RecordingError::Instant { instant, fault });
+        }
         if self.is_walked {
             let positions: Vec<Vector> = self.pedestrian.iter().map(|state| state.pose.position().coords).collect();
             for (state, walked) in self.pedestrian.iter_mut().zip(walked(&positions, dt)) {
@@ -287,17 +307,17 @@ impl Recording {
         Ok(self)
     }
 
-    /// The first step whose length is much more than this share of what the speed explains: its end, its length (m) and the speed (m/s). `None` if more
-    /// steps than `most` are so.
+    /// The first step whose length is more than a share of what the speed explains, a length (m) and the noise: its end, its length (m) and the speed
+    /// (m/s). `None` if more steps than `most` are so.
     fn jump(
         track: &[(Pose, f64)],
         dt: f64,
-        of_way: f64,
+        (of_way, besides): (f64, f64),
         most: usize,
         length: impl Fn(&Vector, &Pose) -> f64,
     ) -> Option<(usize, f64, f64)> {
         let positions: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
-        let besides = Self::BESIDES + Self::OF_NOISE * noise(&positions);
+        let besides = besides + Self::OF_NOISE * noise(&positions);
         let steps = track.windows(2).zip(positions.windows(2)).enumerate();
         let mut jumps = steps.filter_map(|(instant, (states, places))| {
             let (moved, speed) = (places[1] - places[0], states[0].1.abs().max(states[1].1.abs()));

@@ -15,7 +15,7 @@ const HEADING_NOISE: f64 = 0.005;
 /// A position of the car that is less far from the one before, as a multiple of the noise, says nothing of its direction.
 const MIN_STEP: f64 = 5.0;
 /// Numbers below this many standard deviations of their noise are none.
-const SIGNIFICANT: f64 = 4.0;
+pub(super) const SIGNIFICANT: f64 = 4.0;
 /// The median of the absolute value of a normal number, and of the length of a pair of them, in standard deviations.
 const OF_NUMBER: f64 = 0.674;
 pub(super) const OF_PAIR: f64 = 1.177;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use super::recording_noise::{noise, ways};
+use super::recording_noise::{SIGNIFICANT, noise, ways};
 use crate::geometry::{Pose, Vector, wrap_angle};
 
 /// Length of a stretch of a car and of a pedestrian (m), longer than the noise of positions, and the least mean speed on it (m/s).
@@ -19,19 +19,29 @@ pub(super) const MAX_UNSIGNED_REVERSING: f64 = 5.0;
 /// What the length of a stretch may be, as a multiple of what the speed explains: of the longest at least the first number, since an actor that turns round
 /// comes back, and of the median at most the second. Miles per hour give 0.45.
 const EXPLAINED: (f64, f64) = (0.6, 1.7);
-/// Units of speed: their names, and what the stretches then are.
-const SPEEDS: [(&str, f64); 2] = [("km/h", 1.0 / 3.6), ("mph", 0.44704)];
+/// Other units: what they look like, and what the stretches then are.
+const UNITS: [(&str, f64); 5] = [
+    ("the speeds look like km/h; give m/s", 1.0 / 3.6),
+    ("the speeds look like mph; give m/s", 0.44704),
+    ("the positions look like feet; give m", 1.0 / 0.3048),
+    ("the positions look like centimetres; give m", 100.0),
+    ("the positions look like millimetres; give m", 1000.0),
+];
 /// A ratio at which there is hardly any speed.
 const FAR: f64 = 20.0;
+/// A ratio that differs by less from 1 is that of an instrument, not of a unit.
+const WRONG: f64 = 0.3;
 /// How near a ratio is to that of a unit, as a share of it.
-const NEAR: f64 = 0.1;
+const NEAR: f64 = 0.07;
 /// Headings that deviate by less (rad) are right, whatever would fit better.
 const SMALL: f64 = 0.05;
 
-/// What ways may be in every of some parts of a recording, as a multiple of what speeds explain, and by how much headings may deviate to one side in all of
-/// them: by as much as is small (rad), and in a bend by what a point does that is as far from the rear axle (m). A slip is shorter, or changes its side.
+/// By which share ways may differ from what speeds explain in every of some parts of a recording, beside the noise of positions, and by how much headings may
+/// deviate to one side in all of them: by as much as is small (rad). In a bend both may by what a point does that is as far from the rear axle (m). A slip is
+/// shorter, or changes its side.
 const PARTS: usize = 4;
-const LASTING: (f64, f64) = (0.8, 1.25);
+const LASTING: f64 = 0.05;
+const LASTING_OF_PEDESTRIAN: f64 = 0.25;
 const SMALL_OF_PEDESTRIAN: f64 = 0.2;
 const LEVER: f64 = 3.0;
 /// Headings that fit much better otherwise deviate by more (rad).
@@ -92,12 +102,10 @@ pub(super) enum TrackOf {
 /// actor are not a misfit.
 pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misfit> {
     let is_signed = track.iter().any(|(_, speed)| *speed < -MOVING);
+    let noise = noise(&track.iter().map(|(pose, _)| pose.position().coords).collect::<Vec<Vector>>());
     let (length, minimum, reverses) = match of {
         TrackOf::Car => (STRETCH, MIN_STRETCHES, if is_signed { 0.0 } else { MAX_UNSIGNED_REVERSING }),
-        TrackOf::Pedestrian => {
-            let positions: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
-            (SHORT_STRETCH.max(MIN_OF_NOISE * noise(&positions)), MIN_SHORT_STRETCHES, 0.0)
-        }
+        TrackOf::Pedestrian => (SHORT_STRETCH.max(MIN_OF_NOISE * noise), MIN_SHORT_STRETCHES, 0.0),
     };
     let stretches = stretches(track, dt, length);
     if stretches.len() < minimum {
@@ -131,10 +139,8 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
         () if found > MISREAD && is_better(2) || mean(0) > MISREAD && fits_better(2) => {
             "the numbers look like radians where degrees are needed"
         }
-        () if found <= FRAC_PI_4 => match lasting(&stretches, reverses, of) {
-            (ratio, _) if !(LASTING.0..=LASTING.1).contains(&ratio) => {
-                return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) });
-            }
+        () if found <= FRAC_PI_4 => match lasting(&stretches, noise, reverses, of) {
+            (ratio, _) if ratio != 1.0 => return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) }),
             (_, true) => {
                 "it does so from the first instant to the last; correct the heading, or the frame of the positions"
             }
@@ -150,9 +156,9 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
     Some(Misfit::Heading { degrees: found.max(mean(0)).to_degrees(), likely })
 }
 
-/// What holds in each part of a recording: the least deviation of the ways as a multiple of what the speeds explain, and whether headings deviate to one side by more than another
-/// point of a car does in a bend.
-fn lasting(stretches: &[Stretch], reverses: f64, of: TrackOf) -> (f64, bool) {
+/// What holds in each part of a recording: the least ratio of the ways to what the speeds explain, 1 if it is small or noise in one of them, and whether headings deviate to one
+/// side by more than another point of a car does in a bend.
+fn lasting(stretches: &[Stretch], noise: f64, reverses: f64, of: TrackOf) -> (f64, bool) {
     if stretches.len() < PARTS {
         return (1.0, false);
     }
@@ -169,9 +175,12 @@ fn lasting(stretches: &[Stretch], reverses: f64, of: TrackOf) -> (f64, bool) {
         let turned: f64 = near.windows(2).map(|pair| angle(forward(&pair[0]), forward(&pair[1]))).sum();
         let bend = turned.abs() / near[1..].iter().map(|stretch| stretch.moved.norm()).sum::<f64>();
         let deviates = angle(told, moved);
-        let small = if of == TrackOf::Car { SMALL } else { SMALL_OF_PEDESTRIAN };
+        let (small, share) =
+            if of == TrackOf::Car { (SMALL, LASTING) } else { (SMALL_OF_PEDESTRIAN, LASTING_OF_PEDESTRIAN) };
         let side = if deviates.abs() > small + LEVER * bend { deviates.signum() } else { 0.0 };
-        (moved.norm() / told.norm(), side)
+        let ratio = moved.norm() / told.norm();
+        let allowed = share + SIGNIFICANT * noise / told.norm() + (1.0 + (LEVER * bend).powi(2)).sqrt() - 1.0;
+        (if (ratio - 1.0).abs() > allowed { ratio } else { 1.0 }, side)
     });
     let nearer = |one: f64, other: f64| if one > 1.0 { one.min(other).max(1.0) } else { one.max(other).min(1.0) };
     let (ratio, sides) = parts.reduce(|all, part| (nearer(all.0, part.0), all.1 + part.1)).unwrap_or((1.0, 0.0));
@@ -186,14 +195,15 @@ pub(super) fn fits(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> bool {
 
 /// What explains stretches of another length.
 fn cause_of(ratio: f64, dt: f64) -> String {
-    if ratio > FAR {
-        return "its positions move and its speeds are near 0".to_owned();
+    let unit = UNITS.iter().find(|(_, factor)| (ratio / factor - 1.0).abs() < NEAR);
+    match unit {
+        Some((unit, _)) => (*unit).to_owned(),
+        None if ratio > FAR => "its positions move and its speeds are near 0".to_owned(),
+        None if (ratio - 1.0).abs() < WRONG => {
+            format!("multiply the speeds by {ratio:.2}, or correct the time or the positions")
+        }
+        None => format!("with these speeds an instant would be {} s after the one before", significant(ratio * dt)),
     }
-    let unit = SPEEDS.iter().find(|(_, factor)| (ratio / factor - 1.0).abs() < NEAR);
-    unit.map_or_else(
-        || format!("with these speeds an instant would be {} s after the one before", significant(ratio * dt)),
-        |(unit, _)| format!("the speeds look like {unit}; give m/s"),
-    )
 }
 
 /// A number with two significant digits.
@@ -257,7 +267,7 @@ mod tests {
         track
     }
 
-    fn changed(track: &[(Pose, f64)], change: impl Fn(Pose, f64) -> (Pose, f64)) -> Vec<(Pose, f64)> {
+    fn changed(track: &[(Pose, f64)], mut change: impl FnMut(Pose, f64) -> (Pose, f64)) -> Vec<(Pose, f64)> {
         track.iter().map(|(pose, speed)| change(*pose, *speed)).collect()
     }
 
@@ -295,6 +305,21 @@ mod tests {
     }
 
     #[test]
+    fn a_speed_that_is_wrong_by_a_tenth_is_named() {
+        let mut stream = Seed::root(4).stream();
+        for factor in [0.8, 0.9, 0.93, 1.07, 1.1, 1.25] {
+            for noise in [0.0, 0.02] {
+                let mut draw = || stream.random_range(-1.0..1.0) * noise;
+                let track = changed(&driven(9.0, 0.4), |pose, speed| {
+                    (Pose::new(pose.x + draw(), pose.y + draw(), pose.yaw), factor * speed)
+                });
+                let Some(Misfit::Speed { ratio, likely }) = misfit(&track, DT, CAR) else { panic!("{factor} {noise}") };
+                assert!((ratio * factor - 1.0).abs() < 0.02 && likely.starts_with("multiply the speeds by"), "{ratio}");
+            }
+        }
+    }
+
+    #[test]
     fn units_that_do_not_fit_are_named() {
         for heading in [-2.5, 0.4, 1.57] {
             let track = driven(10.0, heading);
@@ -309,6 +334,8 @@ mod tests {
             let step = "with these speeds an instant would be 0.05 s after the one before";
             assert_eq!(said(&track, DT / 10.0), format!("10.00: {step}"));
             assert_eq!(said(&track, DT * 2.0), format!("0.50: {step}"));
+            assert_eq!(said(&scaled(0.3048), DT), "3.28: the positions look like feet; give m");
+            assert_eq!(said(&scaled(0.01), DT), "100.00: the positions look like centimetres; give m");
             assert!(said(&scaled(0.0), DT).ends_with("its positions move and its speeds are near 0"));
             let degrees = said(&headed(&track, f64::to_degrees), DT);
             assert_eq!(degrees, DEGREES, "{heading}");

@@ -186,7 +186,7 @@ fn a_crosswalk_without_an_outline_is_a_box() {
     near(&turned, [(152.0, -2.5), (152.0, 4.5), (148.0, 4.5), (148.0, -2.5)]);
     let sizeless = r#"<objects><object id="1" type="crosswalk" s="9" t="0"/></objects>"#;
     let said = warnings(&map(&road(r#"id="1" length="300""#, LANES, sizeless)));
-    assert_eq!(said, ["not used: 1 × crosswalk without an outline or a size"]);
+    assert_eq!(said, ["not used: 1 × crosswalk without an outline, or less than 1 m long or wide"]);
 }
 
 #[test]
@@ -401,6 +401,18 @@ fn leaps_overlaps_and_gaps_of_geometries_are_named() {
         warnings(&drawn(&[(0.0, 0.0, 150.0), (100.0, 100.0, 200.0)])),
         ["two geometries between 100 m and 150 m; the later one counts"]
     );
+    let turned = |heading: &str| {
+        let map = drawn(&[(0.0, 0.0, 100.0), (100.0, 100.0, 200.0)]);
+        warnings(&map.replace(r#"x="100" y="0" hdg="0""#, &format!(r#"x="100" y="0" hdg="{heading}""#)))
+    };
+    assert_eq!(turned("0.3"), [""; 0], "a polyline of a bend");
+    assert_eq!(
+        turned("0.6"),
+        [
+            "the reference line turns by 34° at 100 m, where a geometry should begin in the direction in which the one before ends; drawn as given"
+        ]
+    );
+    assert!(turned("90")[0].starts_with("the heading is 90 rad, more than two full turns: is it in degrees?"));
     let gap = drawn(&[(0.0, 0.0, 100.0), (200.0, 200.0, 100.0)]);
     assert_eq!(warnings(&gap), ["no geometry between 100 m and 200 m; there are no lanes there"]);
     // A car starts on one of the two parts that are drawn, and the first one ends at the gap.

@@ -4,7 +4,7 @@ use crate::record::{Column, EpisodeTable, Table};
 use base::choice;
 use base::statistics::{clopper_pearson, mean};
 use compile::{Campaign, Evaluation};
-use world::env::{TargetWalk, TestCriterion};
+use world::env::{TargetWalk, TestCriterion, euro_ncap_bands};
 
 /// The result of a driver in one case of a protocol's test.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,11 +47,11 @@ choice! {
     pub enum Colour {
         /// Avoided.
         Green = "green",
-        /// At most a sixth of the test speed.
+        /// Up to 10 km/h at 50 km/h or more.
         Yellow = "yellow",
-        /// At most a third.
+        /// Up to 20 km/h there, 10 at 40 km/h.
         Orange = "orange",
-        /// At most half.
+        /// Up to 30 km/h there, 20 at 40 km/h, 10 at 30 km/h.
         Brown = "brown",
         /// More.
         Red = "red",
@@ -75,18 +75,15 @@ impl Colour {
 }
 
 impl ProtocolCell {
-    /// The colour of Euro NCAP; `None` for other protocols.
-    ///
-    /// # Source
-    /// Crash Avoidance Frontal Collisions 1.1, 5.2: at 60 km/h green is 0, yellow up to 10, orange up to 20, brown up to 30 km/h. The same
-    /// shares are taken at other test speeds, which is an assumption.
+    /// The colour of Euro NCAP ([`euro_ncap_bands`]); `None` for other protocols, and at a test speed without colours.
     pub fn colour(&self) -> Option<Colour> {
         let impact = self.impact_speed.filter(|_| self.criterion == TestCriterion::EuroNcap)?;
-        Some(match impact / self.test_speed {
-            share if share <= 0.0 => Colour::Green,
-            share if share <= 1.0 / 6.0 => Colour::Yellow,
-            share if share <= 1.0 / 3.0 => Colour::Orange,
-            share if share <= 0.5 => Colour::Brown,
+        let [yellow, orange, brown] = euro_ncap_bands(self.test_speed)?;
+        Some(match impact {
+            impact if impact <= 0.0 => Colour::Green,
+            impact if impact <= yellow => Colour::Yellow,
+            impact if impact <= orange => Colour::Orange,
+            impact if impact <= brown => Colour::Brown,
             _ => Colour::Red,
         })
     }
@@ -365,16 +362,22 @@ mod tests {
     }
 
     #[test]
-    fn colours_follow_the_bands_of_60_km_h() {
-        let of = |impact| cell(60.0, impact, TestCriterion::EuroNcap).colour().unwrap();
+    fn colours_follow_the_published_bands() {
         use Colour::{Brown, Green, Orange, Red, Yellow};
         let impacts = [0.0, 0.3, 9.9, 10.1, 19.9, 20.1, 29.9, 30.1, 60.0];
-        assert_eq!(impacts.map(of), [Green, Green, Yellow, Orange, Orange, Brown, Brown, Red, Red]);
-        assert_eq!(
-            cell(10.0, 9.0, TestCriterion::EuroNcap).colour(),
-            Some(Red),
-            "a tenth of the speed does not avoid it"
-        );
+        for (speed, colours) in [
+            (60.0, [Green, Green, Yellow, Orange, Orange, Brown, Brown, Red, Red]),
+            (50.0, [Green, Green, Yellow, Orange, Orange, Brown, Brown, Red, Red]),
+            (40.0, [Green, Green, Orange, Brown, Brown, Red, Red, Red, Red]),
+            (30.0, [Green, Green, Brown, Red, Red, Red, Red, Red, Red]),
+            (20.0, [Green, Green, Red, Red, Red, Red, Red, Red, Red]),
+        ] {
+            let of = |impact| cell(speed, impact, TestCriterion::EuroNcap);
+            assert_eq!(impacts.map(|impact| of(impact).colour().unwrap()), colours, "{speed} km/h");
+            let passes = impacts.map(|impact| of(impact).passes().unwrap());
+            assert_eq!(passes, colours.map(|colour| colour != Red), "a cell with points passes, at {speed} km/h");
+        }
+        assert_eq!(cell(35.0, 9.0, TestCriterion::EuroNcap).colour(), None, "no colours are published there");
     }
 
     #[test]

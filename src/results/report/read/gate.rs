@@ -96,6 +96,8 @@ pub enum Judged {
     TooFewRuns(TooFewRuns),
     /// The condition is about a share of starts, and a search tried this number of them: too few for any share, and the gate fails.
     TooFewSearched(u64),
+    /// A recheck looked at this number of starts, without a fault of either driver: too few to say anything, and the gate fails.
+    TooFewRechecked(u64),
     /// The condition is about a test of a protocol, of which this number of cases have no result at the test speed, and the gate fails.
     NotTested(u64),
     /// The condition is about old failures, of which the new driver did not meet this number. That is worth a warning, and the gate fails if no row has one
@@ -135,6 +137,12 @@ impl Judged {
             ),
             Self::TooFewSearched(count) => {
                 format!("{}{place} cannot show a share; give the search a larger `budget`", starts(*count))
+            }
+            Self::TooFewRechecked(count) => {
+                format!(
+                    "{}{place} without a fault of either driver say nothing; give `--starts 10` or more",
+                    starts(*count)
+                )
             }
             Self::NotMet { failures, all } => format!(
                 "the new driver did not meet {failures} of the failures{place}: nothing is known of them{}",
@@ -455,6 +463,7 @@ impl Gate {
             _ if let Some(cases) = self.not_tested(cells, row) => Judged::NotTested(cases),
             _ if let Some(starts) = self.too_few_starts(cells, row) => Judged::TooFewStarts(starts),
             _ if let Some(starts) = self.too_few_searched(cells, row) => Judged::TooFewSearched(starts),
+            _ if let Some(starts) = too_few_rechecked(cells, row) => Judged::TooFewRechecked(starts),
             Some(judged) if holds => judged,
             _ if let Some(judged) = self.not_met(cells, row) => judged,
             _ if let Some(share) = self.off_road(cells, row) => Judged::OffRoad(share),
@@ -534,6 +543,14 @@ const MET_AGAIN: &str = "failures";
 
 /// The column of the number of runs, in each table that has gates.
 const RUNS: &str = "runs";
+
+/// The number of starts of a recheck, if no driver has a fault there and they are too few to say anything.
+fn too_few_rechecked(cells: &DataFrame, row: usize) -> Option<u64> {
+    let count = |column: &str| number(&value(cells, column, row));
+    let starts = count(RECHECKED_STARTS).filter(|starts| *starts < MIN_SEARCHED)?;
+    let is_idle = ["faults_before", "faults_after"].iter().all(|faults| count(faults) == Some(0.0));
+    is_idle.then_some(starts as u64)
+}
 
 /// Whether a row is about no episode and no start.
 fn nothing_evaluated(cells: &DataFrame, row: usize) -> bool {

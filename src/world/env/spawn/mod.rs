@@ -34,4 +34,4 @@ pub(super) use placement::{Placing, behind};
 pub use rule::{Measure, Spawn, SpawnRule};
 pub use survey::Survey;
 pub(super) use target_walk::Release;
-pub use target_walk::{TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion};
+pub use target_walk::{TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion, euro_ncap_bands};

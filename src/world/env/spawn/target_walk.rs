@@ -69,8 +69,7 @@ choice! {
 }
 
 impl TestCriterion {
-    /// The greatest impact speed that passes at a test speed (m/s). Euro NCAP gives points instead: it passes a result that has points, up
-    /// to half of the test speed.
+    /// The greatest impact speed that passes at a test speed (m/s). Euro NCAP gives points instead: it passes a result that has points.
     ///
     /// # Source
     /// UN R152, 02 series, 5.2.2.4: the limits of M1 and of N1 in running order are the same.
@@ -78,11 +77,31 @@ impl TestCriterion {
         let kmh = test_speed * 3.6;
         match self {
             Self::NoCollision => 0.0,
-            Self::EuroNcap => 0.5 * test_speed,
+            Self::EuroNcap => euro_ncap_bands(test_speed).map_or(0.0, |[_, _, brown]| brown),
             Self::UnR152 => R152.iter().find(|(up_to, _)| kmh <= up_to + 0.01).map_or(0.0, |(_, limit)| limit / 3.6),
         }
     }
 }
+
+/// The greatest impact speeds of Euro NCAP's yellow, orange and brown at a test speed (m/s); green is none. `None` at a speed without colours.
+///
+/// # Source
+/// Euro NCAP's calculator of ratings of 2026, `euroncap-rating-2026` 5.3.0, `crash_avoidance/matrix_processing.py`; at 60 km/h also Crash Avoidance Frontal
+/// Collisions 1.1, 5.2.
+pub fn euro_ncap_bands(test_speed: f64) -> Option<[f64; 3]> {
+    let kmh = test_speed * 3.6;
+    let is_it = |(at, _): &&(f64, [f64; 3])| (kmh - at).abs() < 0.01 || *at == 50.0 && kmh > *at;
+    EURO_NCAP.iter().find(is_it).map(|(_, limits)| limits.map(|limit| limit / 3.6))
+}
+
+/// Test speeds, the last one for faster ones, too, and the bands there (km/h).
+const EURO_NCAP: [(f64, [f64; 3]); 5] = [
+    (10.0, [0.0, 0.0, 0.0]),
+    (20.0, [0.0, 0.0, 0.0]),
+    (30.0, [0.0, 0.0, 10.0]),
+    (40.0, [0.0, 10.0, 20.0]),
+    (50.0, [10.0, 20.0, 30.0]),
+];
 
 /// Greatest impact speeds of UN R152 in running order: up to this test speed, this speed (km/h).
 const R152: [(f64, f64); 5] = [(42.0, 0.0), (45.0, 15.0), (50.0, 25.0), (55.0, 30.0), (60.0, 35.0)];

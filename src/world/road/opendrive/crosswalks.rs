@@ -43,7 +43,7 @@ pub(super) fn crosswalks(context: &mut Context, roads: &Roads, network: &LaneNet
         }
         context.road = None;
         if found.len() == before {
-            context.not_used(object.node, "crosswalk without an outline or a size".to_owned());
+            context.not_used(object.node, "crosswalk without an outline, or less than 1 m long or wide".to_owned());
         }
     }
     found

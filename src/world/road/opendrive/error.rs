@@ -96,6 +96,12 @@ pub enum OpenDriveProblem {
         "the reference line jumps by {apart} m at {at} m, where a geometry should begin at the end of the one before; drawn as given"
     )]
     Leap { apart: String, at: String },
+    #[error(
+        "the reference line turns by {degrees}° at {at} m, where a geometry should begin in the direction in which the one before ends; drawn as given"
+    )]
+    Kink { degrees: u32, at: String },
+    #[error("the heading is {heading} rad, more than two full turns: is it in degrees? Drawn as given")]
+    ManyTurns { heading: String },
     #[error("`{element}` is at {s} m, and its road is {length} m long; it counts at the nearer end")]
     BeyondRoad { element: &'static str, s: String, length: String },
     #[error("the crosswalk lies {apart} m beside the lanes; no car passes it")]

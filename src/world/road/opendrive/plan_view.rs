@@ -1,8 +1,11 @@
+use std::f64::consts::TAU;
+
 use roxmltree::Node;
 
 use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
 use super::budget::MAX_LENGTH;
+use super::roads::metres;
 use crate::geometry::Pose;
 use crate::road::{Geometry, PlanView, Shape};
 
@@ -20,6 +23,9 @@ fn piece(context: &mut Context, node: Node) -> Option<Geometry> {
     let length = context.number(node, "length").filter(|length| *length > 0.0 && *length <= MAX_LENGTH)?;
     let s = context.number_or_zero(node, "s");
     let heading = context.number_or_zero(node, "hdg");
+    if heading.abs() > 2.0 * TAU {
+        context.warn(node, OpenDriveProblem::ManyTurns { heading: metres(heading) });
+    }
     let shape = node.children().filter(Node::is_element).find_map(|form| shape(context, form));
     if shape.is_none() {
         context.warn(node, OpenDriveProblem::UnknownShape);

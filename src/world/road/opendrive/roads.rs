@@ -5,10 +5,14 @@ use roxmltree::Node;
 use super::attributes::{Context, child, children};
 use super::budget::MAX_LENGTH;
 use super::{OpenDriveProblem, lanes, limits, plan_view};
+use crate::geometry::wrap_angle;
 use crate::road::{Cubic, Geometry, JunctionIndex, LaneSection, PlanView, Profile, Road, RoadEnd, RoadIndex, RoadLink};
 
 /// Lengths and places may differ by this much, as they are rounded (m).
 pub(super) const ROUNDED: f64 = 0.1;
+
+/// A reference line that turns by more (rad) between two geometries has a kink: polylines of bends turn by less.
+const KINK: f64 = 0.5;
 
 /// The roads of a file, with the elements they come from.
 pub(super) struct Roads<'a, 'x> {
@@ -130,18 +134,24 @@ fn is_left_hand(context: &mut Context, road: Node) -> bool {
     is_left
 }
 
-/// Finds the parts of a road that no geometry draws (m), and names them, the parts that two draw, and the places at which the line leaps.
+/// Finds the parts of a road that no geometry draws (m), and names them, the parts that two draw, the places at which the line leaps, and its sharpest kink.
 ///
 /// # Source
-/// ASAM OpenDRIVE 1.8, section 9.2: geometries follow each other in ascending order, without leaps; each begins where the one before ends.
+/// ASAM OpenDRIVE 1.8, section 9.2: geometries follow each other in ascending order, without leaps or kinks; each begins where the one before ends.
 fn gaps(context: &mut Context, road: Node, plan_view: &PlanView) -> Vec<(f64, f64)> {
     let (mut drawn, mut before, mut gaps): (f64, Option<&Geometry>, _) = (0.0, None, Vec::new());
+    let mut sharpest = (KINK, 0.0);
     for piece in plan_view.pieces() {
         if piece.s > drawn + ROUNDED {
             context.warn(road, OpenDriveProblem::Gap { from: metres(drawn), to: metres(piece.s) });
             gaps.push((drawn, piece.s));
         } else if let Some(before) = before {
-            let apart = (before.pose(piece.s - before.s).position() - piece.start.position()).norm();
+            let end = before.pose(piece.s - before.s);
+            let apart = (end.position() - piece.start.position()).norm();
+            let turned = wrap_angle(piece.start.yaw - end.yaw).abs();
+            if turned > sharpest.0 && apart <= ROUNDED {
+                sharpest = (turned, piece.s);
+            }
             if piece.s < drawn - ROUNDED {
                 context.warn(road, OpenDriveProblem::Overlap { from: metres(piece.s), to: metres(drawn) });
             }
@@ -150,6 +160,11 @@ fn gaps(context: &mut Context, road: Node, plan_view: &PlanView) -> Vec<(f64, f6
             }
         }
         (drawn, before) = (drawn.max(piece.s + piece.length), Some(piece));
+    }
+    let (turned, at) = sharpest;
+    if turned > KINK {
+        let degrees = turned.to_degrees().round() as u32;
+        context.warn(road, OpenDriveProblem::Kink { degrees, at: metres(at) });
     }
     gaps
 }

@@ -79,6 +79,7 @@ fn unused(node: Node, by_signs: bool) -> Option<String> {
             let kind = node.attribute("type").filter(|kind| !matches!(*kind, "-1" | "" | "none"));
             Some(kind.map_or_else(|| "object of no type".to_owned(), |kind| format!("object of type {kind}")))
         }
+        ("objects", "objectReference") => fixed("object of another road (objectReference)"),
         ("objects", "bridge") => fixed("bridge"),
         ("objects", "tunnel") => fixed("tunnel"),
         ("left" | "right", "lane") => {

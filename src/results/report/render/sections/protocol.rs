@@ -26,7 +26,7 @@ const JUDGES: &str = "A number is the impact speed in km/h. *Passed* counts the 
 const LIMITS: &str = "**This is not a rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
      the car's sensors unless the scenario gives them, warnings to a driver, tyres and brakes beyond the car's blueprint, repeated runs and \
      tolerances of test tracks, turning and reversing tests. The target is a disc of its width in the world; its box only states the impact \
-     point. Euro NCAP's colours are published for 60 km/h, and the same shares are taken at other speeds.";
+     point.";
 
 /// The results of drivers in the tests of a protocol, and the worst ones within its layers; `None` without a test.
 pub fn protocol(found: &Findings<'_>) -> Option<Section> {
