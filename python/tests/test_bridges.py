@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from falsify_av.bridges import BRIDGES, chosen
+from falsify_av.bridges import BRIDGES, chosen, state
 from falsify_av.bridges.__main__ import main
 
 TICK = 0.05
@@ -122,6 +122,17 @@ def test_metadrive_carries_out_what_our_drivers_command() -> None:
     turned = 8.0 * math.tan(0.1) / VEHICLE["wheelbase"]
     assert left[-1]["ego"]["yaw"] == pytest.approx(turned, rel=0.15) and left[-1]["ego"]["y"] > -51.75
     assert bridge.episode(20, still, {"acceleration": -3.0, "wheel_angle": 0.0}) == straight, "episodes do not depend on earlier ones"
+
+
+def test_a_car_that_rolls_back_has_a_negative_speed() -> None:
+    assert [state(0.0, 0.0, 0.0, speed, [])["ego"]["speed"] for speed in (-1.0, -0.01, 2.0)] == [-1.0, 0.0, 2.0]
+    bridge = Bridge("metadrive")
+    ego, walker = {**START, "speed": -3.0}, [{"x": 300.0, "y": -40.0, "yaw": 0.0, "vx": 0.0, "vy": 0.0}]
+    begun = bridge.ask({"type": "begin", "seed": 7, "ego": ego, "driver": None, "speed_limit": 13.9, "route": [], "pedestrians": walker})
+    control = {"acceleration": 2.0, "wheel_angle": 0.0}
+    after = [bridge.ask({"type": "step", "tick": tick, "control": control, "pedestrians": walker}) for tick in range(1, 21)][-1]
+    assert begun["ego"]["speed"] == pytest.approx(-3.0, abs=1e-3) and after["ego"]["speed"] == pytest.approx(-1.0, abs=0.1)
+    assert after["ego"]["x"] == pytest.approx(START["x"] - 2.0, abs=0.1)
 
 
 def test_a_pedestrian_blinds_the_idm_of_metadrive_and_a_mended_one_does_not() -> None:

@@ -70,8 +70,13 @@ def chosen(bridge: str, words: list[str], **kinds: Kind) -> dict[str, Any]:
     return found
 
 
+#: A car that has stopped rocks on its springs: a speed backwards below this (m/s) is none.
+ROCKING = 0.05
+
+
 def state(x: float, y: float, yaw: float, speed: float, pedestrians: list[tuple[float, float]]) -> Message:
     """A state for an answer."""
+    speed = 0.0 if -ROCKING < speed < 0.0 else speed
     return {"ego": {"x": x, "y": y, "yaw": yaw, "speed": speed}, "pedestrians": pedestrians}
 
 

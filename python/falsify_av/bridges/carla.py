@@ -93,7 +93,7 @@ class Carla:
         x, y = place.location.x + self.middle * math.cos(yaw), -place.location.y + self.middle * math.sin(yaw)
         speed = velocity.x * math.cos(yaw) - velocity.y * math.sin(yaw)
         places = [seen.find(walker.id).get_transform().location for walker in self.walkers]
-        return state(x, y, yaw, max(speed, 0.0), [(location.x, -location.y) for location in places])
+        return state(x, y, yaw, speed, [(location.x, -location.y) for location in places])
 
     def place(self, pedestrians: list[Message]) -> None:
         """Put the walkers where they are at the end of the tick."""

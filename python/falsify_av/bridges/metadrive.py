@@ -90,7 +90,7 @@ class MetaDrive:
     def step(self, message: Message) -> Message:
         """One tick. MetaDrive's driver sees the pedestrians as they were at its start."""
         control = message["control"]
-        before = self.now()["ego"]
+        before = self.now()["ego"] if self.exact else {}
         self.commanded.acceleration = control["acceleration"]
         # The same curvature with its own wheelbase.
         car = self.env.agent
@@ -115,9 +115,9 @@ class MetaDrive:
             body.set_velocity((told["vx"], told["vy"]))
 
     def now(self) -> Message:
-        """The state of everybody. A car that has stopped rocks on its springs: that is no speed."""
+        """The state of everybody."""
         car, (x, y) = self.env.agent, self.middle
         yaw, velocity = float(car.heading_theta), car.velocity
         speed = float(velocity[0]) * math.cos(yaw) + float(velocity[1]) * math.sin(yaw)
         places = [(float(body.position[0]) + x, float(body.position[1]) + y) for body in self.env.walkers.bodies]
-        return state(float(car.position[0]) + x, float(car.position[1]) + y, yaw, max(speed, 0.0), places)
+        return state(float(car.position[0]) + x, float(car.position[1]) + y, yaw, speed, places)
