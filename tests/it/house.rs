@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_530),
     ("src/learn", 5_524),
-    ("src/world", 38_008),
+    ("src/world", 38_007),
     ("src/ported", 4_642),
-    ("src/lang", 6_516),
-    ("src/compile", 8_290),
+    ("src/lang", 6_523),
+    ("src/compile", 8_294),
     ("src/process", 880),
     ("src/export", 3_824),
     ("src/results", 26_367),
     ("src/program", 12_994),
-    ("tests", 29_206),
+    ("tests", 29_223),
 ];
 
 /// Crates that only some places may name.

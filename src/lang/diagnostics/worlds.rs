@@ -196,6 +196,13 @@ pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
         .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"))
 }
 
+/// A test of a protocol without its own target.
+pub fn untested(span: Span, test: &str) -> Diagnostic {
+    Diagnostic::warning("untested", span, format!("nobody walks the test `{test}` as it states"))
+        .here("so it has no row in the table `protocol`")
+        .help("name `scripted` here, too")
+}
+
 /// A driver sees the target of a test behind the parked cars that should hide it.
 pub fn sees_through(span: Span, driver: &str, test: &str) -> Diagnostic {
     Diagnostic::warning("sees-through", span, format!("`{driver}` sees the target of `{test}` through the parked cars"))

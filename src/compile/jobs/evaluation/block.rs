@@ -68,6 +68,9 @@ impl Lowering<'_> {
         let has_script = ground.spawn.value.scripted().is_some();
         let Some(chosen) = self.chosen(block, &pedestrians, has_script) else { return };
         let test = ground.spawn.value.target_walk.as_ref().filter(|_| pedestrians.contains(&Value::Choice(SCRIPTED)));
+        if let (Some(_), None) = (&ground.spawn.value.target_walk, test) {
+            self.said.push(diagnostics::untested(block.place("pedestrians"), &ground.spawn.name));
+        }
         let cases = test.map(|walk| walk.cases.len() as u32);
         if cases.is_some() && !self.walks_test(at, &ground, &all, true, grid.usual.rule.value.tick) {
             return;
