@@ -7,9 +7,17 @@ use base::signature::{Arguments, Keys, Signature, Type, Value};
 use base::units::Dimension;
 use lang::hir::Declaration;
 use world::av::Weakness;
-use world::av::external::ProgramKeys;
 use world::av::sensors::{SensorKeys, SensorModel};
 use world::env::{DriverParts, PolicyMaker, Setting};
+
+/// Keys of drivers and of sensors of which more is a repair: earlier, harder, slower, farther.
+const MORE: &str = "ahead aside behind full full_brake horizon least_gap margin memory partial partial_brake range reaction_allowance time_headway \
+                    update_rate warning";
+/// Those of which less is one.
+const LESS: &str = "acceleration actuation_delay comfortable_braking confusion evaluation false_alarms heading_noise latency lateral_acceleration \
+                    least_visible limit_share miss_far miss_near position_noise ramp size_noise speed_pull velocity_noise";
+/// Either may be: `idm` brakes earlier with less of it, and `predictive` harder with more.
+const EITHER: &str = "max_deceleration";
 
 /// What can be exchanged of a declared driver, which `make` makes of arguments without its delay and its sensors.
 pub fn parts(
@@ -29,28 +37,29 @@ pub fn parts(
         arguments.replace("actuation_delay", Value::Number(0.0));
         make(&arguments, model.map(|model| exact(model, Weakness::Delay)))
     };
+    let respects =
+        [Weakness::BlindSide, Weakness::Range, Weakness::Delay, Weakness::Dropouts, Weakness::Hidden, Weakness::Errors];
+    let inexact = |weakness: Weakness| {
+        let exact = model.map(|model| exact(model, weakness)).filter(|exact| Some(exact) != model)?;
+        Some((weakness, make(own, Some(exact))))
+    };
+    let inexact: Vec<_> = respects.into_iter().filter_map(inexact).collect();
     let mut settings = Vec::new();
     if let Some(signature) = policy::signature(declaration, lowering.catalog) {
         let (make, model, own) = (make.clone(), model.cloned(), own.clone());
         let maker: MakeOf = Arc::new(move |changed| make(changed, model.clone()));
         settings.extend(quantities(signature, &own, "", &maker));
     }
-    if let (Some(sensors), Some(model)) = (sensors, model) {
+    if let (Some(sensors), Some(model), false) = (sensors, model, inexact.is_empty()) {
         let (make, model, own) = (make.clone(), model.clone(), own.clone());
         let maker: MakeOf =
             Arc::new(move |changed| make(&own, Some(SensorModel { keys: SensorKeys::read(changed), ..model.clone() })));
         let arguments = &lowering.program.get(sensors).block.arguments;
         settings.extend(quantities(&SensorKeys::signature(), arguments, "sensors.", &maker));
     }
-    let respects =
-        [Weakness::BlindSide, Weakness::Range, Weakness::Delay, Weakness::Dropouts, Weakness::Hidden, Weakness::Errors];
-    let sensors = respects.into_iter().filter_map(|weakness| {
-        let exact = model.map(|model| exact(model, weakness)).filter(|exact| Some(exact) != model)?;
-        Some((weakness, make(own, Some(exact))))
-    });
     DriverParts {
-        exact_sensors: model.map(|_| make(own, None)),
-        sensors: sensors.collect(),
+        exact_sensors: (!inexact.is_empty()).then(|| make(own, None)),
+        sensors: inexact,
         prompt: is_late.then(at_once),
         settings,
     }
@@ -59,15 +68,19 @@ pub fn parts(
 /// Makes drivers of the changed arguments of a driver, or of its sensors.
 type MakeOf = Arc<dyn Fn(&Arguments) -> PolicyMaker + Send + Sync>;
 
-/// The quantities among arguments.
+/// The quantities among arguments that a repair may change, within the values that are better.
 fn quantities(signature: &Signature, own: &Arguments, prefix: &str, maker: &MakeOf) -> Vec<Setting> {
     let setting = |param: &base::signature::Param| {
         let Type::Quantity { dimension, mut min, mut max } = param.ty else { return None };
-        // The time that a program has for an answer is none of its driving.
-        if ProgramKeys::signature().params.iter().any(|of_program| of_program.name == param.name) {
-            return None;
-        }
         let Value::Number(value) = own.value(param.name) else { return None };
+        // Of the other keys, such as the place of the eye or the time for which an error lasts, no value is a repair.
+        let is_in = |keys: &str| keys.split(' ').any(|key| key == param.name);
+        match () {
+            () if is_in(MORE) => min = *value,
+            () if is_in(LESS) => max = *value,
+            () if is_in(EITHER) => {}
+            () => return None,
+        }
         for [low, high] in &signature.rising {
             if let (true, Value::Number(high)) = (*low == param.name, own.value(high)) {
                 max = max.min(*high);
@@ -77,7 +90,7 @@ fn quantities(signature: &Signature, own: &Arguments, prefix: &str, maker: &Make
             }
         }
         let (name, own, maker) = (param.name, own.clone(), maker.clone());
-        Some(Setting {
+        (min < max).then(|| Setting {
             name: format!("{prefix}{name}"),
             unit: unit(Some(dimension)),
             value: *value,
@@ -125,5 +138,27 @@ pub(crate) fn unit(dimension: Option<Dimension>) -> &'static str {
         Some(Dimension::ANGLE) => "rad",
         Some(Dimension::TURN_RATE) => "rad/s",
         other => other.and_then(|dimension| dimension.usual_units().first().copied()).unwrap_or(""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_quantity_of_a_driver_or_of_sensors_has_a_direction_or_is_no_repair() {
+        let kinds = policy::kinds().into_iter().map(|kind| kind.signature);
+        let all =
+            kinds.chain([SensorKeys::signature(), CommonKeys::signature()]).flat_map(|signature| signature.params);
+        let quantity = |param: &base::signature::Param| matches!(param.ty, Type::Quantity { .. });
+        let all: BTreeSet<&str> = all.filter(quantity).map(|param| param.name).collect();
+        let directed: Vec<&str> = [MORE, LESS, EITHER].iter().flat_map(|keys| keys.split(' ')).collect();
+        let known: BTreeSet<&str> = directed.iter().copied().collect();
+        assert_eq!(known.len(), directed.len(), "a key has one direction");
+        let none: Vec<&str> = all.difference(&known).copied().collect();
+        let no_repair = "confused_length confused_width confusion_correlation eye false_alarm_length far miss_correlation near noise_correlation \
+                         start_timeout timeout walking_speed";
+        assert_eq!((none, known.difference(&all).next()), (no_repair.split(' ').collect(), None));
     }
 }

@@ -390,6 +390,11 @@ fn planted_defects_of_a_learnt_driver_are_named() {
 fn a_named_setting_turns_the_failure_and_a_rule_tells_the_starts() {
     let (plan, mut settings, mut limits, mut rules) = (plan(&["idm()", "behavior_agent()"]), 0, 0, 0);
     for evaluation in plan.campaigns[0].all::<compile::Evaluation>() {
+        let parts = &evaluation.scenario.cast.ego().parts;
+        assert!(parts.exact_sensors.is_none(), "those of the file are perfect");
+        let share = parts.settings.iter().find(|setting| setting.name == "limit_share");
+        assert!(share.is_none_or(|share| share.bounds.1 == share.value), "no faster car is a repair");
+        assert!(parts.settings.iter().all(|setting| !setting.name.starts_with("sensors.")), "nor are worse sensors");
         for incident in incidents(evaluation, &[], (8, 12)).into_iter().take(samples(2, 20)) {
             let cause = explain(&incident, Questions::All, RunLimit::default()).expect("it fails again");
             if let Some(TurnedBy { name, from, to, natural, .. }) = &cause.setting {

@@ -25,7 +25,7 @@ pub struct Setting {
     pub unit: &'static str,
     /// Its value in SI.
     pub value: f64,
-    /// Its minimum and its maximum in SI.
+    /// Between which values a repair of the driver is, its own included, in SI: never worse sensors, nor a faster car.
     pub bounds: (f64, f64),
     /// Makes drivers with another value.
     pub make: Arc<dyn Fn(f64) -> PolicyMaker + Send + Sync>,
