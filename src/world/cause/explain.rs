@@ -299,8 +299,8 @@ impl Experiments<'_> {
         let full_braking = last[0].map_or(0.0, |tick| self.before(tick));
         let delay = profile.latency.map_or(0.0, |latency| latency.0);
         let earlier = COMPENSATED.map(|part| Change::Earlier((part * delay / self.dt()).round() as u32));
-        let (is_blind, edge) = self.sides(profile);
-        let [left, right] = profile.stands;
+        let (side, other, edge) = self.sides(facts);
+        let is_narrow = side < edge && edge <= other;
         let [fixed, growing] = self.needed(profile);
         let [reach, _] = profile.reach;
         let is_short = profile.is_fixed() && reach < fixed;
@@ -310,8 +310,8 @@ impl Experiments<'_> {
         [
             (Weakness::Hidden, seen + self.dt() < full_braking, vec![Change::SeenThrough]),
             (Weakness::Delay, delay > PROMPT, earlier.into()),
-            (Weakness::BlindSide, is_blind, vec![Change::Mirrored]),
-            (Weakness::Corridor, left.max(right) < edge, PARTS.map(|part| Change::Sideways(part * MAX.1)).into()),
+            (Weakness::BlindSide, is_narrow, vec![Change::Mirrored]),
+            (Weakness::Corridor, side.max(other) < edge, PARTS.map(|part| Change::Sideways(part * MAX.1)).into()),
             (Weakness::LetsGo, lets_go, vec![Change::KeepsBraking]),
             (Weakness::WeakBrake, profile.deceleration < WEAK.1, vec![Change::BrakesFully]),
             (Weakness::Range, is_short, vec![Change::Nearer(fixed - reach)]),
@@ -321,13 +321,16 @@ impl Experiments<'_> {
         ]
     }
 
-    /// Whether the driver does not watch one side; and how far beside its axis it must react to somebody (m).
-    fn sides(&self, profile: &Profile) -> (bool, f64) {
+    /// How far beside its axis the driver reacts to somebody on the narrower side from which the pedestrian came while full braking helped, how far on the
+    /// other side, and how far it must (m).
+    fn sides(&self, facts: &Facts) -> (f64, f64, f64) {
         let pair = self.pair();
-        let width = pair.blueprint.half_width;
-        let watches = |side: f64, other: f64| side >= BLIND * width || other < width;
-        let [left, right] = profile.stands;
-        (!watches(left, right) || !watches(right, left), width + pair.body.radius / 2.0)
+        let seen = pair.frames().take(facts.last[0].map_or(usize::MAX, |tick| tick as usize + 1));
+        let left = seen.map(|frame| frame.ego.pose.to_local(frame.pedestrian.pose.position()).y);
+        let was = [1.0, -1.0].map(|side| left.clone().any(|left| side * left > 0.0));
+        let [left, right] = facts.profile.stands;
+        let (side, other) = if was[0] && (left <= right || !was[1]) { (left, right) } else { (right, left) };
+        (side, other, pair.blueprint.half_width + pair.body.radius / 2.0)
     }
 
     /// How far ahead somebody in its way must be noticed if that is at a fixed range, and braked for if the distance grows with the speed (m).
@@ -376,18 +379,21 @@ impl Experiments<'_> {
         changes.map(is_same) == [true; 4]
     }
 
-    /// Whether it does not watch one side, or too little of both.
+    /// Whether it does not watch the side of the pedestrian, or too little of both.
     fn beside(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
         let [left, right] = facts.profile.stands;
-        let (is_blind, edge) = self.sides(&facts.profile);
+        let (side, other, edge) = self.sides(facts);
         self.note(
             format!("somebody beside its axis: reacts up to {left:.1} m to the left and {right:.1} m to the right"),
             left.min(right) < edge,
         );
-        if is_blind {
-            return Some((Weakness::BlindSide, None));
+        let width = self.pair().blueprint.half_width;
+        let is_blind = side < BLIND * width && other >= width;
+        let is_narrow = side < edge && edge <= other;
+        if is_blind || is_narrow && self.tries("the same one from the other side", Change::Mirrored) {
+            return Some((Weakness::BlindSide, Some(side)));
         }
-        if left.max(right) >= edge {
+        if side.max(other) >= edge {
             return None;
         }
         let aside = self.least(MAX.1, Change::Sideways);

@@ -38,7 +38,7 @@ impl Cause {
     fn repairs(&self) -> String {
         let repair = |weakness: &Weakness| match weakness {
             Weakness::Hidden => "sight through the obstacle",
-            Weakness::BlindSide => "sight on that side",
+            Weakness::BlindSide => "a reaction to people on that side",
             Weakness::Range => "a longer range",
             Weakness::Errors | Weakness::Dropouts => "exact sensors",
             Weakness::Delay => "a prompt response",
@@ -56,9 +56,11 @@ impl Cause {
         }
     }
 
-    /// What it lacks.
-    fn why(&self) -> String {
+    /// What it lacks, as a part of a sentence.
+    pub fn why(&self) -> String {
         let amount = self.amount;
+        // A run without errors of declared sensors; else it may be the driver that does not look.
+        let of_sensors = self.tried.iter().any(|(what, turns)| *turns && what == "exact sensors");
         let by = |unit: &str| amount.map_or(String::new(), |amount| format!(" {amount:.1} {unit}"));
         match self.weakness {
             Weakness::Ignores => match self.reacted {
@@ -68,14 +70,19 @@ impl Cause {
             Weakness::Hidden => {
                 "an obstacle hides the pedestrian for too long, with sight through it the driver avoids it".into()
             }
+            Weakness::BlindSide if of_sensors => "its sensors do not see pedestrians on that side".into(),
             Weakness::BlindSide => {
-                "it does not see pedestrians on that side, from the other side it avoids the same one".into()
+                let aside = amount.map_or("less".into(), |aside| format!("only up to {aside:.1} m beside its axis"));
+                let is_shown = self.enough.contains(&Weakness::BlindSide);
+                let other = if is_shown { ", and avoids the same one from the other side" } else { "" };
+                format!("it reacts to pedestrians on that side {aside}{other}")
             }
             Weakness::Range => match amount {
                 Some(range) => format!("it notices somebody in its way only {range:.1} m ahead, at any speed"),
                 None => "its sensors do not reach far enough".into(),
             },
-            Weakness::Dropouts => "its sensors lose the pedestrian".into(),
+            Weakness::Dropouts if of_sensors => "its sensors lose the pedestrian".into(),
+            Weakness::Dropouts => "it loses pedestrians: to somebody near it reacts at once at some moments, and late or not at all at others".into(),
             Weakness::Errors => "its sensors mistake the pedestrian, with exact ones it avoids it".into(),
             Weakness::Delay => match amount {
                 Some(time) => format!("it responds {time:.2} s late"),
@@ -169,5 +176,19 @@ impl TurnedBy {
             now.faults,
             before.faults
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sensors_are_blamed_only_if_exact_ones_avoid_it() {
+        for weakness in [Weakness::BlindSide, Weakness::Dropouts] {
+            let said =
+                |turns| Cause { weakness, tried: vec![("exact sensors".into(), turns)], ..Cause::default() }.sentence();
+            assert!(said(true).contains("its sensors") && !said(false).contains("sensors"), "{}", said(false));
+        }
     }
 }
