@@ -175,7 +175,7 @@ impl<'a> Storyboard<'a> {
             ),
             _ => "Approximated: a pedestrian is a disc, and its box the square around it".to_owned(),
         };
-        format!("{}. {ego}{release} {body}.{touches}", episode.summary())
+        format!("{}. {ego}{release} {body}.{touches}", episode.summary().trim_end_matches('.'))
     }
 
     /// The reference point of an actor: the middle of the rear axle, or that of the box.

@@ -40,21 +40,25 @@ fn every_heading_has_figures_or_says_that_it_was_not_done() {
     assert_eq!(sections.len(), 8);
     for section in &sections {
         let has_figures = section.contains("<td");
-        assert!(has_figures != section.contains("Not done."), "{}", &section[..200.min(section.len())]);
+        assert!(
+            has_figures != section.contains("Not done in this campaign."),
+            "{}",
+            &section[..200.min(section.len())]
+        );
     }
     assert!(
         sections[0].contains("margin: 0.2 m, crosswalks: yield, sensors.latency: 0.1 s, sensors.sector.width: 3 rad, sensors.sector.range: 50 m"),
         "{}",
         sections[0]
     );
-    assert!(sections[4].contains("Not done."), "no other simulator ran");
+    assert!(sections[4].contains("Not done in this campaign."), "no other simulator ran");
     assert!(
         sections[3].contains("`hunter` against `behavior` in harbour")
             || sections[3].contains("<code>hunter</code> against")
     );
     assert!(!page.contains("http-equiv=\"refresh\"") && !page.contains("src=\"http"));
     let without = dossier("", "2");
-    assert_eq!(without.matches("Not done.").count(), 2, "nor were there requirements");
+    assert_eq!(without.matches("Not done in this campaign.").count(), 2, "nor were there requirements");
 }
 
 #[test]

@@ -4,12 +4,14 @@ use super::replayed::played_failure;
 use crate::failure::Failure;
 use crate::parallel;
 use base::seed::Seed;
-use world::cause::{MAX_RUNS, Questions, RunLimit, Shrunk, explain, shrink};
+use world::cause::{Cause, MAX_RUNS, Questions, RunLimit, Shrunk, explain, shrink};
 
 /// Maximum number of failures of a page that are shrunk, the first of its list.
 pub const MAX_SHRUNK: usize = 24;
 /// Maximum number of failures of a page whose cause is found.
 const MAX_EXPLAINED: usize = 8;
+/// Of how many failures of programs the cause is asked, the first of different kinds, and the maximum number of runs of each.
+pub const OF_PROGRAM: (usize, u32) = (3, 200);
 
 /// A failure for all that shrink to the same.
 #[derive(Debug, Clone)]
@@ -19,8 +21,10 @@ pub struct DistinctFailure {
     pub merged: usize,
     /// The number of commands before and after it was shrunk; `None` if it was not repeated.
     pub commands: Option<[usize; 2]>,
-    /// Why it happened, in a sentence; `None` if that is not known.
-    pub cause: Option<String>,
+    /// Whether it was asked why it happened.
+    pub is_asked: bool,
+    /// Why it happened; `None` if that was not asked, or if it does not repeat.
+    pub cause: Option<Cause>,
 }
 
 /// The first of the items of each class, with how many there are. An item without a class is alone.
@@ -46,7 +50,8 @@ pub fn listed_findings(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure
     distinct_failures(found, &first, MAX_EXPLAINED, seed)
 }
 
-/// The distinct ones among some failures, with the causes of the first. Those of a program of the user are not repeated.
+/// The distinct ones among some failures, with the causes of the first. Those of a program of the user are not shrunk, and those of another simulator not
+/// repeated.
 pub fn distinct_failures(
     found: &Findings<'_>,
     failures: &[&Failure],
@@ -64,18 +69,39 @@ pub fn distinct_failures(
         ((*failure, shrunk), class)
     });
     let firsts = first_of_each(classed);
-    let explained = &firsts[..firsts.len().min(max_explained)];
-    let mut causes = parallel::map(explained, |((_, shrunk), _)| {
-        Some(explain(&shrunk.as_ref()?.incident, Questions::OfCopied, RunLimit::default())?.sentence())
-    })
-    .into_iter();
-    let distinct = |((failure, shrunk), merged): ((&Failure, Option<Shrunk>), usize)| DistinctFailure {
-        failure: failure.clone(),
-        merged,
-        commands: shrunk.map(|shrunk| shrunk.counts),
-        cause: causes.next().flatten(),
+    let mut kinds = Vec::new();
+    let is_asked = |(place, ((failure, _), _)): (usize, &((&Failure, Option<Shrunk>), usize))| {
+        if !is_of_program(found, failure) {
+            return place < max_explained;
+        }
+        let kind = (failure.key.cell.policy.clone(), failure.kind());
+        let is_new = !failure.key.cell.is_elsewhere() && kinds.len() < OF_PROGRAM.0 && !kinds.contains(&kind);
+        kinds.extend(is_new.then_some(kind));
+        is_new
     };
-    firsts.into_iter().map(distinct).collect()
+    let asked: Vec<bool> = firsts.iter().enumerate().map(is_asked).collect();
+    let each: Vec<_> = firsts.into_iter().zip(asked).collect();
+    let causes = parallel::map(&each, |(((failure, shrunk), _), is_asked)| match shrunk {
+        _ if !is_asked => None,
+        Some(shrunk) => explain(&shrunk.incident, Questions::OfCopied, RunLimit::default()),
+        None => {
+            let (.., repeated) = played_failure(&failure.name(), found, seed)?;
+            let limit = RunLimit { max_runs: OF_PROGRAM.1, ..RunLimit::default() };
+            explain(&repeated.incident()?, Questions::Weakness, limit)
+        }
+    });
+    let distinct = |((((failure, shrunk), merged), is_asked), cause): (_, Option<Cause>)| {
+        let shrunk: Option<Shrunk> = shrunk;
+        let failure: &Failure = failure;
+        DistinctFailure {
+            failure: failure.clone(),
+            merged,
+            commands: shrunk.map(|shrunk| shrunk.counts),
+            is_asked,
+            cause,
+        }
+    };
+    each.into_iter().zip(causes).map(distinct).collect()
 }
 
 /// Whether the driver of a failure is a program of the user, or it happened in another simulator: runs of these are dear.

@@ -190,8 +190,9 @@ pub fn worlds(found: &Findings<'_>) -> Section {
         ..Table::default()
     };
     if table.rows.is_empty() {
-        let lead =
-            format!("{NOT_DONE} All ran in this program's own simulator; `worlds` in a block `evaluate` names others.");
+        let lead = format!(
+            "{NOT_DONE} All its episodes ran in this program's own simulator; `worlds` in a block `evaluate` names others. A recheck in another one (`falsify recheck --world`) has a page of its own."
+        );
         return section("worlds", "Agreement with other simulators", vec![lead], Vec::new());
     }
     section("worlds", "Agreement with other simulators", Vec::new(), vec![table])

@@ -1,9 +1,10 @@
 use super::section;
 use crate::failure::Failure;
-use crate::report::distinct::distinct_failures;
-use crate::report::render::{Column, Section, Table, Value, share_of_two};
-use crate::report::{DistinctFailure, Findings};
+use crate::report::distinct::{OF_PROGRAM, distinct_failures};
+use crate::report::render::{Column, Section, Table, Value, place, share_of_two, who};
+use crate::report::{DistinctFailure, DriverResult, Findings};
 use base::seed::Seed;
+use world::cause::Cause;
 
 /// The listed failures that count against their drivers, each finding once, the worst first.
 pub fn shown(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure> {
@@ -15,8 +16,57 @@ pub fn shown(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure> {
     distinct_failures(found, &all, usize::MAX, seed)
 }
 
-/// Stands in place of a cause.
-const NOT_ASKED: &str = "not asked: the driver is a program, or its failure does not repeat";
+/// What stands in place of a cause that is missing.
+fn no_cause(finding: &DistinctFailure) -> String {
+    let Failure { key, .. } = &finding.failure;
+    let command = format!("`falsify replay --why --allow-external {}`", finding.failure.name());
+    match () {
+        () if finding.is_asked || finding.commands.is_some() => "none: the failure does not repeat".into(),
+        () if key.cell.is_elsewhere() => format!("not asked, since it happened in another simulator: {command}"),
+        () => format!("not asked, since the driver is a program: {command}"),
+    }
+}
+
+/// What was found about each driver, in two sentences: how often it has faults with its worst failure, and the most frequent cause of those that are shown.
+pub fn bottom_lines(found: &Findings<'_>, shown: &[DistinctFailure]) -> Vec<String> {
+    let line = |result: &DriverResult| {
+        let name = &result.driver.name;
+        let rate = match (result.cell.map(|cell| &found.cells[cell]), result.searched) {
+            (Some(cell), _) => format!(
+                "fault rate {} with {} in {}, where it is highest",
+                Value::rate(&cell.fault, cell.faults, cell.episodes),
+                who(cell, &found.cells),
+                place(cell, &found.cells)
+            ),
+            (None, Some(searched)) => {
+                format!("{} faults in {} episodes of searches", searched.fault, searched.episodes)
+            }
+            (None, None) => "not evaluated".into(),
+        };
+        let named = result.worst.as_ref().map_or_else(String::new, |worst| format!(" (`{}`)", worst.name()));
+        let own = || shown.iter().filter(|finding| finding.failure.key.cell.policy == *name);
+        let mut causes: Vec<(&Cause, usize)> = Vec::new();
+        for finding in own() {
+            let Some(cause) = &finding.cause else { continue };
+            match causes.iter_mut().find(|(known, _)| known.weakness == cause.weakness) {
+                Some((_, count)) => *count += finding.merged,
+                None => causes.push((cause, finding.merged)),
+            }
+        }
+        // Of equal ones that of the worst failure.
+        causes.reverse();
+        let all: usize = own().map(|finding| finding.merged).sum();
+        let cause = match causes.into_iter().max_by_key(|(_, count)| *count) {
+            Some((cause, count)) => {
+                format!("The most frequent cause, of {count} of {all} that count against it: {}.", cause.why())
+            }
+            None if all == 0 => "No listed failure counts against it.".into(),
+            None => format!("No cause is known of {all} failures that count against it."),
+        };
+        format!("**{name}**: {rate}; worst failure: {}{named}. {cause}", result.worst_in_words())
+    };
+    found.drivers.iter().map(line).collect()
+}
 
 /// The distinct failures with their causes.
 pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
@@ -31,7 +81,7 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
             Value::Number(impact.is_some().then_some(*impact_speed), 1),
             Value::Count(finding.merged as u64),
             finding.commands.map_or_else(|| "–".into(), |[before, now]| format!("{before} → {now}").into()),
-            Value::from(finding.cause.as_deref().unwrap_or(NOT_ASKED)),
+            finding.cause.as_ref().map_or_else(|| no_cause(finding), Cause::sentence).into(),
         ]
     };
     let words = ["failure", "driver", "town", "found by", "what failed"].map(Column::text);
@@ -45,8 +95,10 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
     let mut lead = vec![
         format!(
             "{faults} failures that count against a driver are listed (the worst of each start, at most 100 a driver). Those of built-in drivers were repeated with as few commands of the pedestrian as 600 runs find; \
-             those of a driver that become the same are one finding, named after the worst. {} are left. A cause was tried: the failure ran again with one thing changed.",
-            shown.len()
+             those of a driver that become the same are one finding, named after the worst. {} are left. A cause was tried: the failure ran again with one thing changed. Of failures of programs the {} worst of different kinds were asked, with at most {} runs each.",
+            shown.len(),
+            OF_PROGRAM.0,
+            OF_PROGRAM.1
         ),
         "`falsify replay NAME` shows a failure, `falsify failures REPORT --distinct --why` lists these.".into(),
     ];

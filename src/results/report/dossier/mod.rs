@@ -13,7 +13,7 @@ use super::{Findings, Manifest};
 use base::seed::Seed;
 
 /// Said below a heading for which a campaign has nothing.
-const NOT_DONE: &str = "**Not done.**";
+const NOT_DONE: &str = "**Not done in this campaign.**";
 
 /// Makes the dossier: a file of HTML that needs no other and can be printed. Failures are repeated, shrunk and explained, and some episodes are run again
 /// with a shorter tick.
@@ -32,6 +32,7 @@ pub fn dossier(found: &Findings<'_>, made: &[Section], manifest: &Manifest, seed
     let body = html! {
         main #main {
             h1 { "Dossier: " (found.campaign.name) }
+            section id="bottom-line" { (section("bottom-line", "", finding::bottom_lines(found, &shown), Vec::new()).to_html(&|_| None)) }
             @for (number, section) in sections.iter().enumerate() {
                 section id=(section.id) { h2 { (number + 1) " " (section.title) } (section.to_html(&|_| None)) }
             }

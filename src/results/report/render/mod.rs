@@ -26,6 +26,7 @@ pub use page::{Replay, Tally, listed, page_examples, write_page};
 pub use recheck_sections::recheck_report;
 pub(crate) use sections::search_section;
 pub use sections::{Group, SectionMaker, failures_for_terminal, sections, share_of_two};
+pub(super) use sections::{place, who};
 pub use summary::{SMOKE, summary};
 pub use table::Section;
 pub(super) use table::{Column, Table, Value};

@@ -8,6 +8,8 @@ use world::requirement::{Degree, NamedRequirement};
 const LASTING: usize = 3;
 /// A brake above this counts as braking.
 pub(super) const BRAKING: f64 = 0.05;
+/// A verdict tries no longer reaction time (s).
+const MAX_REACTION: f64 = 5.0;
 /// Most events of a narrative.
 const MOST: usize = 40;
 
@@ -280,6 +282,9 @@ fn verdict_lines(verdict: &Verdict) -> Vec<String> {
     if !verdict.is_bump() {
         let share = 100.0 * verdict.preventable_probability();
         lines.push(match verdict.latest_reaction {
+            Some(latest) if latest >= MAX_REACTION => {
+                format!("  a careful driver avoids it whatever its reaction time is, up to {latest:.0} s")
+            }
             Some(latest) => {
                 format!("  a careful driver must brake within {latest:.2} s of noticing it; {share:.0} % of drivers do")
             }

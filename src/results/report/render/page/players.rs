@@ -30,7 +30,7 @@ impl Players {
             let scenery = scenery.entry(town).or_insert_with(|| Scenery::new(&scenario.town));
             let mut replay = Replay::new(scenario, scenery, trace, judged);
             if let Some(cause) = cause(name) {
-                replay.short = format!("{cause} {}", replay.short);
+                replay.short = format!("{} {}", cause.sentence(), replay.short);
             }
             if let Some(each) = cast.iter().find(|each| each.failure.name() == *name) {
                 replay.short = format!("{} {}", replay.short, needed(&each.needs));

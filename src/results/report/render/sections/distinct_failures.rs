@@ -1,5 +1,6 @@
 use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{DistinctFailure, Findings, MAX_SHRUNK};
+use world::cause::Cause;
 
 /// Each distinct failure once, with its cause; `None` without a failure.
 pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {
@@ -10,7 +11,7 @@ pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {
             failure.kind().into(),
             Value::Count(*merged as u64),
             Value::Failure(failure.name()),
-            cause.as_deref().unwrap_or("–").into(),
+            cause.as_ref().map_or_else(|| "–".into(), Cause::sentence).into(),
         ]
     };
     let mut head = ["driver", "verdict", "kind"].map(Column::text).to_vec();
