@@ -23,6 +23,8 @@ pub const MAX_SHOWN: usize = 10;
 const MAX_PLAYED: usize = 12;
 /// Maximum number of new failures whose cause a gate says.
 pub const MAX_EXPLAINED: usize = 3;
+/// Maximum number of runs for the cause of a failure of a program.
+pub const OF_PROGRAM: u32 = 200;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -111,7 +113,7 @@ pub fn compare(options: &CompareArgs) -> Ended {
     Ok(code)
 }
 
-/// Says why the worst failures happened that are new or have become faults. Those of a program are left out, and those that are not as in the report.
+/// Says why the worst failures happened that are new or have become faults, or which command asks. A program is asked only if it may start.
 pub fn tell_causes(comparison: &ReportComparison, options: &RepeatArgs) {
     let searched = comparison.searches.iter().flat_map(|search| &search.changes);
     let all: Vec<FailureChange> = comparison.changes.iter().chain(searched).cloned().collect();
@@ -122,19 +124,22 @@ pub fn tell_causes(comparison: &ReportComparison, options: &RepeatArgs) {
     }
     let folder = &comparison.folders[1];
     let report = StoredReport::open(folder).map_err(Error::from);
+    let needed = report.as_ref().map_or("", |report| report.manifest().call.replay_options());
     let source = report.and_then(|report| session(options.allow_external).reopen(report, &options.repeat));
     let cause = |name: &String| {
-        source
-            .as_ref()
-            .ok()?
-            .repeat(EpisodeName::of_table(name.clone()).ok()?)
-            .ok()?
-            .cause(Questions::OfCopied, RunLimit::default())
+        let repeated = source.as_ref().ok()?.repeat(EpisodeName::of_table(name.clone()).ok()?).ok()?;
+        let of_copied = repeated.cause(Questions::OfCopied, RunLimit::default());
+        of_copied
+            .or_else(|| repeated.cause(Questions::Weakness, RunLimit { max_runs: OF_PROGRAM, ..RunLimit::default() }))
     };
     for FailureChange { sides: [_, SideEnd { name, .. }], .. } in new {
-        if let Some(cause) = cause(name) {
-            console::note(&format!("{}: {}", folder.join(name).display(), cause.sentence()));
-        }
+        let path = folder.join(name);
+        console::note(&match cause(name) {
+            Some(cause) => format!("{}: {}", path.display(), cause.sentence()),
+            None => {
+                format!("{}: not asked why; `falsify replay --why {needed}{}` asks", path.display(), path.display())
+            }
+        });
     }
 }
 

@@ -160,13 +160,13 @@ fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) ->
     if options.json {
         console::say(&as_json(&replay, &narrative, cause.as_ref(), &needs).to_string());
     } else {
-        tell(&replay, &narrative, cause.as_ref(), &needs, options.shrunk);
+        tell(&replay, &narrative, cause.as_ref(), &needs, options);
     }
     if episode.differences.is_empty() { Ok(ExitCode::Done) } else { Err(ExitCode::Differs) }
 }
 
 /// Prints the result for people.
-fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[Need], is_shrunk: bool) {
+fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[Need], options: &ReplayArgs) {
     let Replay { report, episode: repeated, programs } = replay;
     let manifest = report.manifest();
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
@@ -184,6 +184,15 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[
         cause.setting.iter().for_each(|turned| paragraph(&turned.cost()));
         cause.world.iter().for_each(|turned| paragraph(&format!("{} {}", turned.text(), turned.cost())));
     }
+    if cause.is_none() && repeated.incident.is_some() && repeated.differences.is_empty() {
+        let (needed, path) = (manifest.call.replay_options(), report.folder().join(repeated.name.to_string()));
+        paragraph(&match options.why {
+            true => "No cause is found: the failure does not happen again with the same commands.".into(),
+            false => {
+                format!("Why it failed is asked of a program by `falsify replay --why {needed}{}`.", path.display())
+            }
+        });
+    }
     if !needs.is_empty() {
         paragraph(&needed(needs));
     }
@@ -198,7 +207,7 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[
     console::say("");
     if repeated.differences.is_empty() {
         let digest = repeated.judged.outcome.digest;
-        console::say(&match is_shrunk {
+        console::say(&match options.shrunk {
             true => format!("digest {digest:016x}; before it was shrunk it was as in the report, in every column"),
             false => format!("digest {digest:016x}: as in the report, in every column"),
         });

@@ -6,7 +6,7 @@ use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, 
 use super::encounters::{MetAgain, cross};
 use super::{RecheckArgs, STARTS};
 use crate::cli::external_world::external_world;
-use crate::commands::compare::MAX_EXPLAINED;
+use crate::commands::compare::{MAX_EXPLAINED, OF_PROGRAM};
 use crate::session::{EpisodeName, Error, Event, Input, Session, Source, Stage, WhichPrograms};
 use base::seed::Seed;
 use compile::{Campaign, HERE, Misfit, RunId, Staging};
@@ -468,7 +468,13 @@ impl Sides {
             let commands = evaluate_crossings(&[goal], &scenario, start..start + 1, seed, note).pop()??;
             let incident = Incident { scenario, seed, start: start.into(), commands, criterion: Criterion::Collision };
             let name = &encounter.change(row.title())?.sides[1].name;
-            Some(format!("{name}: {}", explain(&incident, Questions::OfCopied, RunLimit::default())?.sentence()))
+            let of_copied = explain(&incident, Questions::OfCopied, RunLimit::default());
+            let of_program = RunLimit { max_runs: OF_PROGRAM, ..RunLimit::default() };
+            let cause = of_copied.or_else(|| explain(&incident, Questions::Weakness, of_program));
+            Some(format!(
+                "{name}: {}",
+                cause.map_or_else(|| "the failure does not repeat.".into(), |cause| cause.sentence())
+            ))
         };
         found.iter().take(MAX_EXPLAINED).filter_map(cause).collect()
     }

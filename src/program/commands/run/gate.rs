@@ -73,7 +73,8 @@ impl GateArgs {
             }
             let code = compare::judge(&conditions, &comparison)?;
             if code == ExitCode::GateFailed {
-                compare::tell_causes(&comparison, &RepeatArgs::default());
+                let allow_external = report.manifest.call.allow_external;
+                compare::tell_causes(&comparison, &RepeatArgs { allow_external, ..RepeatArgs::default() });
             }
             Ok(code)
         };
