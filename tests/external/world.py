@@ -12,16 +12,19 @@ import my_world
 FAULT = sys.argv[1]
 #: Factors of the wheel angle and of the deceleration.
 STEER = {"mirrored": -1.0, "straight": 0.0, "weak_steer": 0.1, "strong_steer": 2.0}.get(FAULT, 1.0)
-BRAKE = {"no_brake": 0.0, "weak_brake": 0.1}.get(FAULT, 1.0)
+BRAKE = {"no_brake": 0.0, "weak_brake": 0.1, "tenth": 0.1}.get(FAULT, 1.0)
+#: How late the car does what it is told (ticks).
+LATE = {"late_control": 3}.get(FAULT, 0)
 
 
 class World(my_world.MyWorld):
     NAMES = {"here": "here", "nameless": " ", "two_lines": "a\nb", "long_name": "x" * 61}
     DRIVERS = {"stranger": [], "twins": ["theirs", "theirs"], "no_word": ["theirs", ""]}
-    ABOUT = {**my_world.MyWorld.ABOUT, "name": NAMES.get(FAULT, "my_world"), "drivers": DRIVERS.get(FAULT, ["theirs", "blind"]), "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0}.get(FAULT, 0.0), "seeds": FAULT != "unseeded"}
+    ABOUT = {**my_world.MyWorld.ABOUT, "name": NAMES.get(FAULT, "my_world"), "drivers": DRIVERS.get(FAULT, ["theirs", "blind"]), "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0, "late": 0.5, "later": 0.5}.get(FAULT, 0.0), "seeds": FAULT != "unseeded"}
 
     def load(self, message):
         super().load(message)
+        self.size, self.radius = message["vehicle"], message["pedestrians"][0]["radius"]
         self.tick *= {"half_tick": 0.5, "double_tick": 2.0}.get(FAULT, 1.0)
         if FAULT == "no_lanes":
             return None
@@ -35,16 +38,26 @@ class World(my_world.MyWorld):
         super().begin(message)
         self.native = message["driver"]
         self.first_yaw = self.yaw
+        self.wanted = [{"acceleration": 0.0, "wheel_angle": 0.0}] * LATE
+        self.told = []
         if FAULT == "misplaced":
             self.y += 0.5
 
     def step(self, message):
         control = message["control"]
-        control["wheel_angle"] *= STEER
-        control["acceleration"] *= BRAKE if control["acceleration"] < 0.0 else 1.0
+        is_right, is_fast = control["wheel_angle"] < 0.0, message["tick"] > 150 and self.speed > 12.0
+        control["wheel_angle"] *= -1.0 if (FAULT == "no_right" and is_right) or (FAULT == "mirrored_fast" and is_fast) else STEER
+        control["acceleration"] *= BRAKE if control["acceleration"] < 0.0 or FAULT == "tenth" else 1.0
+        self.wanted.append(dict(control))
+        control.update(self.wanted.pop(0))
         if self.native:
             message["control"].update(acceleration=-5.0 if self.native == "theirs" else 0.0, wheel_angle=0.0)
         super().step(message)
+        if FAULT == "bumps":
+            (there,), (sin, cos) = message["pedestrians"], (math.sin(self.yaw), math.cos(self.yaw))
+            x, y = there["x"] - self.x, there["y"] - self.y
+            beyond = max(abs(cos * x + sin * y) - self.size["length"] / 2, 0.0), max(abs(cos * y - sin * x) - self.size["width"] / 2, 0.0)
+            self.speed *= 0.7 if math.hypot(*beyond) <= self.radius else 1.0
         if FAULT == "drifts":
             self.y += 0.02
         if FAULT == "unseeded":
@@ -55,10 +68,12 @@ class World(my_world.MyWorld):
         ego = state["ego"]
         if tick > 0:
             ego["speed"] *= 3.6 if FAULT == "kmh" else 1.0
-            ego["x"] += {"off": 0.45, "aside": 0.15}.get(FAULT, 0.0)
+            ego["x"] += {"off": 0.45, "aside": 0.15, "creeps": 0.02 * min(tick, 20)}.get(FAULT, 0.0)
             ego["yaw"] *= 180 / math.pi if FAULT == "degrees" else 1.0
         if tick < 3:
             return state
+        self.told.append(state["pedestrians"])
+        state["pedestrians"] = self.told[-1 - min({"late": 1, "later": 3}.get(FAULT, 0), len(self.told) - 1)]
         if FAULT == "hang":
             time.sleep(3600)
         if FAULT == "crash" or (FAULT == "bad_driver" and self.native == "blind"):

@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_530),
     ("src/learn", 5_524),
-    ("src/world", 38_034),
+    ("src/world", 38_164),
     ("src/ported", 4_642),
     ("src/lang", 6_523),
     ("src/compile", 8_329),
     ("src/process", 880),
     ("src/export", 3_824),
     ("src/results", 26_454),
-    ("src/program", 13_015),
-    ("tests", 29_232),
+    ("src/program", 12_879),
+    ("tests", 29_247),
 ];
 
 /// Crates that only some places may name.

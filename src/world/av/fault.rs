@@ -37,6 +37,12 @@ pub enum Fault {
         /// The distance between the two places (mm).
         millimetres: u32,
     },
+    /// A world moves pedestrians later than it was told.
+    #[error("puts pedestrians where they were to be {ticks} {} earlier", if *ticks == 1 { "tick" } else { "ticks" })]
+    Delayed {
+        /// How much later.
+        ticks: u32,
+    },
     /// A world has moved the car to another place than its speed and its heading lead to in a tick.
     #[error(
         "put the car {millimetres} mm from where its `speed` and `yaw` lead in a tick: it jumps, or one of them or the length of its step is wrong"
@@ -61,6 +67,25 @@ pub enum Fault {
     Beside {
         /// The angle between motion and heading (°).
         degrees: u32,
+    },
+    /// A car of a world speeds up or brakes otherwise than its control says.
+    #[error(
+        "changed the speed of the car by {:+.1} m/s in about 2 s, and its control by {:+.1} m/s: carry out `acceleration`, or `throttle` and `brake`, in the tick that they come with",
+        f64::from(*done) / 10.0, f64::from(*told) / 10.0
+    )]
+    Pedals {
+        /// What its control allows that is nearest to what it did, and what it did (0.1 m/s).
+        told: i32,
+        done: i32,
+    },
+    /// A car of a world turns otherwise than its control says.
+    #[error(
+        "turned the car by {done}° in about 2 s, and its control by {told}°, positive to the left: carry out `wheel_angle`, in rad, or `steer`, in the tick that they come with"
+    )]
+    Wheel {
+        /// The same in °.
+        told: i32,
+        done: i32,
     },
     /// A world has lanes elsewhere than the town has.
     #[error("has lanes up to {millimetres} mm from those of the town")]

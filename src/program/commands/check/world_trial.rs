@@ -17,10 +17,12 @@ use world::av::{Cruise, CruiseKeys, DrivingPolicy, Native, NativeKeys};
 use world::env::{Abilities, ExternalWorld, Outcome, PolicyMaker, Scenario, Trace, WORLD_PROTOCOL};
 use world::falsifier::{Random, evaluate_observed};
 
+/// What may be wrong after all.
+const UNTRIED: &str = "        not compared: an engine of half to twice our force, 15 % less brake or steering, a control less than 0.15 s late, how its own drivers move its car; \
+    other speeds, times, maps and bodies are not tried: a run compares its car in each tick, too";
+
 /// Number of episodes.
 const EPISODES: u32 = 4;
-/// By which factor its way may differ from what its speeds make.
-const BY_SPEED: f64 = 1.05;
 
 /// `falsify check --world WORLD`
 pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
@@ -53,12 +55,9 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
             return failed(&reason);
         }
     }
-    let tried = if abilities.controls { manoeuvres(&ground) } else { Vec::new() };
-    for (what, found) in tried {
-        match found {
-            Ok(said) => passed(&format!("{what}: {said}")),
-            Err(reason) => return failed(&format!("{what}: {reason}")),
-        }
+    let driven = if abilities.controls { manoeuvres(&ground) } else { Ok(()) };
+    if let Err(reason) = driven {
+        return failed(&reason);
     }
     let cannot = [
         ("cars that drivers of ours drive", abilities.controls),
@@ -74,6 +73,7 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
     if !cannot.is_empty() {
         console::say(&format!("        it has no {}", cannot.join(", no ")));
     }
+    console::say(UNTRIED);
     ExitCode::Done
 }
 
@@ -117,20 +117,21 @@ fn lanes(world: &Arc<ExternalWorld>, scenario: &Scenario, town: &str) -> ExitCod
 /// # Errors
 /// What failed.
 fn drives(there: &Arc<Scenario>, who: &str, abilities: &Abilities) -> Result<(), String> {
-    let (first, traces) = episodes(there);
+    let (first, ways) = episodes(there);
+    let what = format!("runs {EPISODES} episodes of {who} to their end");
     if let Some(reason) = first_fault(&first) {
-        return Err(format!("runs {EPISODES} episodes of {who} to their end: {reason}"));
+        return Err(format!("{what}: {reason}"));
     }
-    passed(&format!("runs {EPISODES} episodes of {who} to their end, with everybody where they are told to be"));
+    if ways < 1.0 {
+        return Err(format!("{what}: the car hardly moves"));
+    }
+    passed(&format!("{what}, with everybody where they are told to be, and the car where its speed and its yaw lead"));
     if abilities.seeds {
         if let Some(reason) = first_difference(&first, &episodes(there).0) {
             return Err(format!("is the same when the same seeds come again: {reason}"));
         }
         passed("is the same when the same seeds come again");
     }
-    moves_by_its_speed(&traces, there.episode.tick)
-        .map_err(|reason| format!("moves the car as its speed and its yaw say: {reason}"))?;
-    passed("moves the car as its speed and its yaw say");
     Ok(())
 }
 
@@ -138,32 +139,18 @@ fn native_driver(driver: String) -> PolicyMaker {
     Arc::new(move || Box::new(Native::new(NativeKeys { name: driver.clone() })))
 }
 
-fn episodes(scenario: &Arc<Scenario>) -> (Vec<Outcome>, Vec<Trace>) {
+/// Some episodes, and how far their cars got from their starts (m).
+fn episodes(scenario: &Arc<Scenario>) -> (Vec<Outcome>, f64) {
     let seed = Seed::root(1);
-    let mut traces = Vec::new();
+    let mut ways = 0.0;
     let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| {
-        traces.push(trace.clone());
+        if let [first, .., last] = trace.vehicle(0) {
+            ways += (last.state.pose.position() - first.state.pose.position()).norm();
+        }
         *outcome
     };
     let go_on = &mut |_| ControlFlow::Continue(());
     let walker = &mut Random::default();
     let ended = evaluate_observed(walker, scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
-    (ended, traces)
-}
-
-/// Compares the way of the car in all episodes with what its speeds make, closer than an episode does.
-fn moves_by_its_speed(traces: &[Trace], dt: f64) -> Result<(), String> {
-    let (mut way, mut expected) = (0.0, 0.0);
-    for pair in traces.iter().flat_map(|trace| trace.vehicle(0).windows(2)) {
-        let [before, after] = [pair[0].state, pair[1].state];
-        way += (after.pose.position() - before.pose.position()).norm();
-        expected += (before.speed + after.speed) / 2.0 * dt;
-    }
-    match way / expected.max(1e-9) {
-        _ if expected < 1.0 => Err("the car hardly moves".into()),
-        factor if (1.0 / BY_SPEED..BY_SPEED).contains(&factor) => Ok(()),
-        factor => Err(format!(
-            "it gets {factor:.2} times as far; its time step is not the tick of {dt} s, or its speed is not in m/s"
-        )),
-    }
+    (ended, ways)
 }

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::delay::Delay;
 use super::message::{self, Begin, Body, Car, Load, Model, Moved, Pedals, Step, Walker, read_loaded, read_moved};
 use super::odometer::Odometer;
 use super::{ExternalWorld, LaneMatch, Loaded};
@@ -12,7 +13,7 @@ use crate::sim::{Control, VehicleState, World};
 use base::seed::Seed;
 
 /// How far a pedestrian may be from where the world was told to place it, if the world does not say how far (m).
-const MOVED: f64 = 0.01;
+pub(super) const MOVED: f64 = 0.01;
 /// How far the car may be from its start (m, rad, m/s) when an episode begins.
 const PLACED: f64 = 0.01;
 /// A car that is slower stands (m/s): on springs it is never quite at rest.
@@ -37,8 +38,10 @@ pub(in crate::env) struct Bridge {
     load: Vec<u8>,
     request: Vec<u8>,
     answer: Vec<u8>,
-    /// The motion of the car in the running episode.
+    /// Whether a driver of ours drives in the running episode, how the car moves, and how late pedestrians are.
+    is_ours: bool,
     odometer: Odometer,
+    delay: Delay,
 }
 
 impl Drop for Bridge {
@@ -59,7 +62,9 @@ impl Bridge {
             load: Vec::new(),
             request: Vec::new(),
             answer: Vec::new(),
+            is_ours: true,
             odometer: Odometer::default(),
+            delay: Delay::default(),
         }
     }
 
@@ -91,8 +96,8 @@ impl Bridge {
             pedestrians: walkers(here),
         };
         let moved = self.ask(&begin, self.world.start_timeout, read_moved).map_err(Fault::at_start)?;
+        (self.is_ours, self.odometer, self.delay) = (driver.is_none(), Odometer::default(), Delay::default());
         self.check(&moved, 0, here)?;
-        self.odometer = Odometer::default();
         let (pose, placed) = (ego.state.pose, moved.ego);
         let turned = wrap_angle(placed.yaw - pose.yaw);
         let off = [placed.x - pose.x, placed.y - pose.y, turned, placed.speed - ego.state.speed];
@@ -150,9 +155,13 @@ impl Bridge {
     fn try_tick(&mut self, here: &World, control: Control) -> Result<VehicleState, Fault> {
         let ego = here.ego();
         let (state, car) = (&ego.state, &ego.blueprint);
-        let next = state.step(control, car, here.dt);
-        let (acceleration, wheel_angle) =
-            ((next.speed - state.speed) / here.dt, car.wheel_angle(control.steer, state.speed));
+        let mut next = state.step(control, car, here.dt);
+        if state.speed < 0.0 {
+            // It rolls back until its brake has stopped it.
+            next.speed = next.speed.min(state.speed + car.full_brake * here.dt);
+        }
+        let acceleration = (next.speed - state.speed) / here.dt;
+        let wheel_angle = car.wheel_angle(control.steer, state.speed);
         let step = Step {
             r#type: "step",
             tick: here.ticks + 1,
@@ -164,12 +173,13 @@ impl Bridge {
         let Car { x, y, yaw, speed } = moved.ego;
         let speed = if speed.abs() < STANDING { 0.0 } else { speed };
         let moved = VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age };
-        self.odometer.add([state, &moved], (here.dt, car.wheelbase, self.tolerance()))?;
+        let control = self.is_ours.then_some(control);
+        self.odometer.add([state, &next, &moved], (car, control), (here.dt, self.tolerance()))?;
         Ok(moved)
     }
 
     /// Whether the episode goes on at this tick, with each pedestrian where it was told to be.
-    fn check(&self, moved: &Moved, tick: u32, here: &World) -> Result<(), Fault> {
+    fn check(&mut self, moved: &Moved, tick: u32, here: &World) -> Result<(), Fault> {
         if moved.tick != tick {
             return Err(Fault::Answer("another tick than it was asked for"));
         }
@@ -187,7 +197,8 @@ impl Bridge {
         if farthest > self.tolerance().max(MOVED) {
             return Err(Fault::Moved { millimetres: millimetres(farthest) });
         }
-        Ok(())
+        // Without a tolerance a late pedestrian is elsewhere.
+        if self.tolerance() > MOVED { self.delay.add(&here.pedestrians, &moved.pedestrians) } else { Ok(()) }
     }
 
     /// How far from where it is told the world may place an actor (m).

@@ -9,6 +9,7 @@
 //! `docs/src/how-to/bridge.md`. A program cannot copy its state, so an episode in it has no snapshot.
 
 mod bridge;
+mod delay;
 mod message;
 mod odometer;
 

@@ -1,20 +1,48 @@
 use super::bridge::{STANDING, millimetres};
 use crate::av::Fault;
 use crate::geometry::{Vector, wrap_angle};
-use crate::sim::VehicleState;
+use crate::sim::{Control, VehicleBlueprint, VehicleState};
 
 /// How far from where its speed and heading lead a car may be after a tick: in m, if the world does not say how far, and beside that as a share of its way.
 /// More is a jump. The first tick of MetaDrive's physics lacks a fifth.
 const JUMP: f64 = 0.1;
 const LAG: f64 = 0.25;
 /// How much its way in an episode may differ from what its speeds make: as a share of the longer of both, beside that (m), and beside what a standing car creeps.
-const BY_SPEED: f64 = 0.1;
+const BY_SPEED: f64 = 0.05;
 const FREE: f64 = 0.5;
 /// How far the motion of a car may differ from its heading (rad), on average over the last metres of its way.
 const BESIDE: f64 = 0.3;
 const MEMORY: f64 = 3.0;
+/// Time after which what a car was told and did is forgotten (s), and by how much these may differ until then: in m/s, in rad, and beside that as a share of
+/// what it was told. MetaDrive's car differs by 0.37 m/s and 0.028 rad; full brake that is 0.15 s late by 1 m/s.
+const LATELY: f64 = 2.0;
+const OFF: [f64; 2] = [0.6, 0.05];
+const SHARE: f64 = 0.15;
+/// Acceleration that the tyres of any car hold (m/s²), and by which factor another engine may be stronger or weaker.
+const HELD: f64 = 7.0;
+const ENGINE: f64 = 2.0;
 
-/// Compares the motion of a car of another simulator with the speeds and headings that it states, tick by tick for an episode.
+/// What a car was told and what it did, of late.
+#[derive(Debug, Default)]
+struct Account {
+    told: f64,
+    done: f64,
+    /// The sum of what it was told, whatever the sign.
+    size: f64,
+}
+
+impl Account {
+    /// Adds what a car did in a tick and what it might do, from one number to another; whether both differ by too much now.
+    fn differs(&mut self, done: f64, range: [f64; 2], off: f64, dt: f64) -> bool {
+        let told = done.clamp(range[0].min(range[1]), range[0].max(range[1]));
+        for (sum, new) in [(&mut self.told, told), (&mut self.done, done), (&mut self.size, told.abs())] {
+            *sum += new - *sum * (dt / LATELY).min(1.0);
+        }
+        (self.done - self.told).abs() > off + SHARE * self.size
+    }
+}
+
+/// Compares the motion of a car of another simulator with the speeds and headings that it states, and with its control, tick by tick for an episode.
 #[derive(Debug, Default)]
 pub(super) struct Odometer {
     /// The way of the car, and the one that its speeds make (m).
@@ -24,17 +52,24 @@ pub(super) struct Odometer {
     time: f64,
     /// The angle between motion and heading, on average over the last metres (rad).
     beside: f64,
+    /// Speeds (m/s) and headings (rad).
+    speeds: Account,
+    headings: Account,
+    /// That the car did not follow its control in the tick before.
+    disobeyed: Option<Fault>,
 }
 
 impl Odometer {
-    /// Adds a tick of a car with this wheelbase (m). `tolerance` is how far from where it is told the world may place an actor (m).
+    /// Adds a tick of a car, which leads our car to the state `next`. `tolerance` is how far from where it is told the world may place an actor (m), and
+    /// `control` that of a driver of ours.
     ///
     /// # Errors
-    /// The car is not where its speed and its heading lead.
+    /// The car is not where its speed and its heading lead, or does not follow its control.
     pub fn add(
         &mut self,
-        [before, after]: [&VehicleState; 2],
-        (dt, wheelbase, tolerance): (f64, f64, f64),
+        [before, next, after]: [&VehicleState; 3],
+        (car, control): (&VehicleBlueprint, Option<Control>),
+        (dt, tolerance): (f64, f64),
     ) -> Result<(), Fault> {
         let speed = (before.speed + after.speed) / 2.0;
         // Ahead, also of a car that reverses.
@@ -43,7 +78,7 @@ impl Odometer {
         (self.way, self.by_speed, self.time) = (self.way + way, self.by_speed + by_speed, self.time + dt);
         let turned = wrap_angle(after.pose.yaw - before.pose.yaw);
         // A car turns about a point beside its rear axle, so its middle slips; that of a car on rails does not.
-        let slip = libm::asin((turned * wheelbase / 2.0 / way.max(1e-9)).clamp(-1.0, 1.0));
+        let slip = libm::asin((turned * car.wheelbase / 2.0 / way.max(1e-9)).clamp(-1.0, 1.0));
         let headings = [0.0, slip].map(|slip| before.pose.yaw + turned / 2.0 + slip);
         let off = headings.map(|heading| {
             let (sin, cos) = libm::sincos(heading);
@@ -62,6 +97,24 @@ impl Odometer {
         self.beside += (beside[0].min(beside[1]) - self.beside) * (way / MEMORY).min(1.0);
         if self.beside > BESIDE {
             return Err(Fault::Beside { degrees: self.beside.to_degrees() as u32 });
+        }
+        // Somebody whom it touches may push it; that ends the episode first.
+        if let Some(fault) = self.disobeyed {
+            return Err(fault);
+        }
+        let Some(control) = control else { return Ok(()) };
+        let (told, held) = (next.speed - before.speed, HELD * dt);
+        let range = if control.brake > 0.0 { [told, told.max(-held)] } else { [told / ENGINE, told * ENGINE] };
+        // Another car may be in gear sooner than ours.
+        let in_gear = before.age >= car.start_up_pause;
+        if in_gear && self.speeds.differs(after.speed - before.speed, range, OFF[0], dt) {
+            let [told, done] = [self.speeds.told, self.speeds.done].map(|speed| (speed * 10.0).round() as i32);
+            self.disobeyed = Some(Fault::Pedals { told, done });
+        }
+        let (told, held) = (wrap_angle(next.pose.yaw - before.pose.yaw), held / before.speed.abs());
+        if self.headings.differs(turned, [told, told.clamp(-held, held)], OFF[1], dt) {
+            let [told, done] = [self.headings.told, self.headings.done].map(|angle| angle.to_degrees().round() as i32);
+            self.disobeyed = Some(Fault::Wheel { told, done });
         }
         Ok(())
     }
