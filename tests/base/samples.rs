@@ -23,7 +23,8 @@ fn without_noise_of_episodes_the_test_is_welchs() {
     for case in recorded("welch") {
         let (first, second) = case[4..].split_at(case[0] as usize);
         let found = exact(first, second);
-        let (p, (low, high)) = (found.p().unwrap(), found.uncertainty().unwrap().interval(found.estimate()));
+        let uncertainty = found.uncertainty().unwrap();
+        let (p, (low, high)) = (uncertainty.p(found.estimate()), uncertainty.interval(found.estimate()));
         assert!((p - case[1]).abs() < 1e-9 * case[1], "{case:?}: {p}");
         assert!((low - case[2]).abs() < 1e-9 && (high - case[3]).abs() < 1e-9, "{case:?}: {low}..{high}");
         let few = [first.len(), second.len()].iter().any(|runs| *runs < 4);
@@ -116,4 +117,13 @@ fn intervals_hold_the_truth_when_starts_are_common() {
         assert!((0.92..0.985).contains(&share(both)), "{deviations:?}: {}", share(both));
         assert!(share(alone) <= alone_at_most, "{deviations:?}: {}", share(alone));
     }
+}
+
+/// Two trainings whose spread is small by chance would have a p of 1e-7.
+#[test]
+fn two_trainings_have_no_p() {
+    let of = |first: &[f64], second: &[f64]| exact(first, second).p();
+    assert_eq!(of(&[0.8, 0.8001], &[0.5, 0.4, 0.45]), None);
+    assert_eq!(of(&[0.8, 0.81, 0.79], &[0.5, 0.5001]), None);
+    assert!(of(&[0.8, 0.81, 0.79], &[0.5, 0.4, 0.45]).unwrap() < 0.05);
 }

@@ -1,4 +1,4 @@
-use super::{ClusteredCount, MIN_RUNS, Uncertainty};
+use super::{ClusteredCount, MIN_RUNS, MIN_TESTED, Uncertainty};
 
 /// The degrees of freedom of a variance that is known.
 const KNOWN: f64 = 1e6;
@@ -51,8 +51,12 @@ impl Sample {
         Some(self.uncertainty()?.interval_at(self.estimate(), alpha))
     }
 
-    /// The two-sided p-value of a figure that is 0 in truth, by Student's t; see [`uncertainty`](Self::uncertainty).
+    /// The two-sided p-value of a figure that is 0 in truth, by Student's t; see [`uncertainty`](Self::uncertainty). `None` where a group has several runs, but
+    /// fewer than [`MIN_TESTED`].
     pub fn p(&self) -> Option<f64> {
+        if self.groups().iter().any(|(group, _)| (2..MIN_TESTED).contains(&group.len())) {
+            return None;
+        }
         Some(self.uncertainty()?.p(self.estimate()))
     }
 

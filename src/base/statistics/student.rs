@@ -2,6 +2,9 @@
 /// interval over three runs misses the truth in up to 36 of 100 campaigns. Tables then have the single values.
 pub const MIN_RUNS: usize = 4;
 
+/// The fewest runs whose mean has a p-value: with two, whose spread may be small by chance, p is below 0.001 several times too often.
+pub const MIN_TESTED: usize = 3;
+
 /// The mean of a few numbers with its 95 % interval, as if they were drawn from a normal distribution. Fewer than [`MIN_RUNS`] have none; nor have equal
 /// numbers, which say nothing about the spread of further ones.
 ///
@@ -24,7 +27,7 @@ pub fn mean_interval_at(values: &[f64], alpha: f64) -> Option<(f64, f64)> {
     Some((mean - half, mean + half))
 }
 
-/// The two-sided p-value of numbers whose mean is 0 in truth, such as paired differences; `None` for a single one, or if all are 0.
+/// The two-sided p-value of numbers whose mean is 0 in truth, such as paired differences; `None` for fewer than [`MIN_TESTED`], or if all are 0.
 ///
 /// Numbers without any spread, such as two equal counts, say nothing about the spread of further ones. Then it is that of the sign test: the
 /// probability that `n` signs are equal.
@@ -32,7 +35,7 @@ pub fn mean_p(values: &[f64]) -> Option<f64> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let squares = squares(values, mean);
-    if values.len() < 2 || (squares == 0.0 && mean == 0.0) {
+    if values.len() < MIN_TESTED || (squares == 0.0 && mean == 0.0) {
         return None;
     }
     let error = (squares / (n - 1.0) / n).sqrt();

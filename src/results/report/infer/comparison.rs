@@ -12,7 +12,7 @@ choice! {
         Student = "student",
         /// McNemar's exact test on pairs of episodes. It generalises to further episodes of these two pedestrians.
         McNemar = "mcnemar",
-        /// No test: one training against several, or no event in either cell.
+        /// No test: one training against several, two runs on a side, or no event in either cell.
         None = "",
     }
 }

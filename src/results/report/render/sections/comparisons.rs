@@ -30,7 +30,7 @@ pub fn comparisons(found: &Findings<'_>) -> Option<Section> {
              a tie above 0.05."
                 .into(),
             "Intervals and p are Student's over trainings and common episodes. In 95 % of campaigns all intervals of a kind hold the truth together. Two \
-             and three runs have no interval; their single values stand there. ¹ marks McNemar's exact test, for one run each: it and its interval are \
+             and three runs have no interval; their single values stand there. Two runs have no p either: their spread says too little. ¹ marks McNemar's exact test, for one run each: it and its interval are \
              about these two alone."
                 .into(),
         ],
