@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from .environments import PedestrianVectorEnv
+from .network import Walker
 from .pedestrians import Pedestrian
 from .progress import Progress, shown
 from .scenarios import Files
@@ -45,6 +46,9 @@ def evaluate(
         num_envs: The most episodes that run at once.
         progress: ``True`` for a bar in a terminal or a notebook, or a function that is called with the episodes done and all episodes.
 
+    Raises:
+        ValueError: A network of :func:`falsify_av.onnx` or :func:`falsify_av.hunter` was trained with other states or actions.
+
     Warns:
         RunUpWarning: The driver did not reach more than a twentieth of its starts; ``placed`` of a row is then true.
     """
@@ -54,6 +58,8 @@ def evaluate(
     env = PedestrianVectorEnv(
         scenario, campaign, num_envs=worlds, autoreset_mode=AutoresetMode.DISABLED, seed=seed, **options
     )
+    if isinstance(pedestrian, Walker):
+        pedestrian.check(env)
     core, mask = env.core, np.ones(worlds, np.bool_)
     core.reseed(np.full(worlds, checked_seed(seed), np.int64))
     number = np.arange(worlds, dtype=np.int64)

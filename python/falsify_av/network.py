@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -38,6 +39,11 @@ class Network:
                 raise ValueError(f"the network's input `{each.name}` is a {each.type}; it must be 32-bit floats or 64-bit floats")
         #: The shape of each input, by its name; a free length is a text or `None`.
         self.shapes: dict[str, list[Any]] = {each.name: each.shape for each in inputs}
+        #: What its file says of itself, such as the frames of its training.
+        self.properties: dict[str, str] = dict(model.get_modelmeta().custom_metadata_map)
+        #: The numbers of a row of its output; `None` if the file leaves it open.
+        last = outputs[0].shape[-1] if outputs[0].shape else None
+        self.width: int | None = last if isinstance(last, int) else None
         self._types = {each.name: _FLOATS[each.type] for each in inputs}
 
     def __deepcopy__(self, _: dict[int, Any]) -> Network:
@@ -60,6 +66,7 @@ def fits(shape: list[Any], *wanted: int | range) -> bool:
 
 class Walker:
     """A pedestrian's network. One that takes several states gets the last ones of an episode, the oldest first, with zeros before its start.
+    :func:`falsify_av.evaluate` calls :meth:`check`.
 
     Raises:
         ValueError: The network has other inputs than one of states.
@@ -71,33 +78,62 @@ class Walker:
             raise ValueError("a pedestrian's network has one input, of the shape (1, n) or (batch, n)")
         self._network, self._name = network, name
         self._width, self._one_by_one = shape[1], shape[0] == 1
+        #: The pedestrians that it moves, each by itself.
+        self._agents = 1
         self._past: NDArray[np.float32] | None = None
+
+    def check(self, env: Any) -> None:
+        """Compare its training, as far as its file says, with an environment of :func:`falsify_av.make` or ``make_vec``.
+
+        A network of one pedestrian, as ``shared`` trainings write, then moves each pedestrian of a cast by itself.
+
+        Raises:
+            ValueError: Its states or actions have other frames or units than those of the environment, as in a campaign with another ``body``.
+
+        Warns:
+            UserWarning: It was trained with another body, or another time of a decision.
+        """
+        core = getattr(env, "unwrapped", env).core
+        shared = core.pedestrians > 1 and self._network.width == 2
+        reason, difference = core.unfit(self._network.properties, self._width, shared)
+        if reason:
+            raise ValueError(f"the network cannot walk in this scenario: {reason}; give its campaign the `body` of its training")
+        if difference:
+            warnings.warn(f"the network was trained otherwise: {difference}", stacklevel=3)
+        self._agents = core.pedestrians if shared else 1
 
     def begin(self, worlds: NDArray[np.bool_]) -> None:
         """Forget what was seen in the worlds of a mask, whose episodes begin."""
+        worlds = np.repeat(worlds, self._agents)
         if self._past is None or len(self._past) != len(worlds):
             self._past = np.zeros((len(worlds), self._width), np.float32)
         self._past[worlds] = 0
 
     def __call__(self, states: NDArray[np.float32]) -> NDArray[Any]:
+        worlds = len(states)
+        states = states.reshape(worlds * self._agents, -1)
         numbers = states.shape[1]
         if self._width % numbers:
-            raise ValueError(f"the network takes {self._width} numbers, and a state of this scenario has {numbers}")
+            raise ValueError(
+                f"the network takes {self._width} numbers, and a state of this scenario has {numbers}: if it moves one pedestrian of several, call `check(env)` first"
+            )
         if self._width > numbers:
             if self._past is None:
                 raise ValueError("the network takes several states: call `begin` where episodes begin, as `falsify_av.evaluate` does")
             self._past = np.concatenate([self._past[:, numbers:], states], axis=1)
             states = self._past
         if self._one_by_one:
-            return np.array([self._network.answer({self._name: state[None]}).ravel() for state in states])
-        return self._network.answer({self._name: states})
+            actions = np.array([self._network.answer({self._name: state[None]}).ravel() for state in states])
+        else:
+            actions = self._network.answer({self._name: states})
+        return actions.reshape(worlds, -1)
 
 
 def onnx(path: str | os.PathLike[str]) -> Walker:
     """A pedestrian of an ONNX file, such as those in ``pedestrians`` of a report: one input of states, and actions as its output.
 
     It needs ``pip install falsify-av[onnx]``. A scenario's ``pedestrian mine = onnx(model: …)`` needs no onnxruntime. The two compute the same
-    function with other last bits, so digests differ, outcomes seldom.
+    function with other last bits, so digests differ, outcomes seldom. ``check(env)`` of it refuses an environment with other states or actions.
 
     Raises:
         ValueError: The file is no such network.

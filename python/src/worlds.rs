@@ -1,5 +1,6 @@
 //! Worlds that are stepped together, with arrays in and out.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::ndarray::{Array1, Array2, Array3, ArrayView2};
@@ -8,7 +9,8 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use world::env::Scenario;
+use world::env::{Cast, Scenario};
+use world::falsifier::{network_differs, network_fits};
 use world::judge::Label;
 use world::sim::WalkCommand;
 
@@ -153,6 +155,23 @@ impl Worlds {
             (format!("{}_{before}", role.name), is_scaled, bounds.collect())
         };
         cast.controlled().map(agent).collect()
+    }
+
+    /// Whether a network with these properties of its file and this number of inputs can control the pedestrians, each alone if it is `shared`: why it cannot, and
+    /// how their episodes differ from those of its training.
+    fn unfit(
+        &self,
+        properties: BTreeMap<String, String>,
+        inputs: usize,
+        shared: bool,
+    ) -> (Option<&'static str>, Option<String>) {
+        let (cast, rule) = (&self.scenario.cast, &self.scenario.episode);
+        let casts: Vec<Cast> = match shared {
+            true => cast.controlled().map(|(number, _)| cast.alone(number)).collect(),
+            false => vec![cast.clone()],
+        };
+        let reason = casts.iter().find_map(|cast| network_fits(&properties, inputs, cast, rule).err());
+        (reason, casts.iter().find_map(|cast| network_differs(&properties, cast, rule)))
     }
 
     /// Gives worlds new seeds; their next episode is number 0. A negative seed leaves a world as it is.

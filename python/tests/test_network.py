@@ -57,6 +57,22 @@ def test_a_pedestrian_of_a_report_walks_in_python(program, tmp_path):
         pedestrian(np.zeros((1, 8), np.float32))
 
 
+def test_a_network_of_one_pedestrian_moves_each_of_a_cast(tmp_path):
+    each = falsify_av.onnx(network(tmp_path / "each.onnx", {"state": [1, 4]}, 2))
+    cast = tmp_path / "cast.scn"
+    cast.write_text(
+        'edition 1\nimport "std/paper.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
+        "campaign three { vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds\n"
+        "cast { anna: pedestrian() others: pedestrian(count: 2, beside: anna, distance: 5 m .. 9 m) }\n"
+        "evaluate { towns: [harbour] drivers: [idm] pedestrians: [random] episodes: 2 } }\n"
+    )
+    each.check(falsify_av.make(cast))
+    states = np.arange(24, dtype=np.float32).reshape(2, 12)
+    sums = states.reshape(2, 3, 4).sum(axis=2)
+    assert each(states).tolist() == np.repeat(sums, 2, axis=1).tolist()
+    assert len(falsify_av.evaluate(each, cast, episodes=2)) == 2
+
+
 def test_the_shipped_pedestrian_walks_in_python_as_in_the_program(program, tmp_path):
     (tmp_path / "a.scn").write_text(
         'edition 1\nimport "std/pedestrians.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
@@ -73,6 +89,14 @@ def test_the_shipped_pedestrian_walks_in_python_as_in_the_program(program, tmp_p
         # The two runtimes have other last bits.
         assert sum(row["outcome"] == outcome for row, outcome in zip(found, recorded)) >= 57
     assert recorded.count("collision") >= 6
+    # In another body, or at another time of a decision, it is another pedestrian.
+    text = (tmp_path / "a.scn").read_text()
+    (tmp_path / "b.scn").write_text(text.replace("pursuer", "plausible").replace("[hunter]", "[random]"))
+    with pytest.raises(ValueError, match="trained with other frames or units of state and action; give its campaign the `body`"):
+        falsify_av.evaluate(falsify_av.hunter(), tmp_path / "b.scn", episodes=1)
+    (tmp_path / "c.scn").write_text(text.replace("hold: 10", "hold: 20"))
+    with pytest.warns(UserWarning, match="decided every 0.5 s, and here every 1 s"):
+        falsify_av.hunter().check(falsify_av.make(tmp_path / "c.scn"))
     with pytest.raises(ValueError, match="no trained pedestrian has the body 'dog'"):
         falsify_av.hunter("dog")
     with pytest.raises(ValueError, match="takes several states: call `begin`"):

@@ -120,6 +120,27 @@ campaign told {
         assert!(onnx.contains(metadata[name].as_str().unwrap()), "{name}");
     }
 
+    // In another body, or at another time of a decision, it is another pedestrian, and a check says so.
+    let file = std::fs::read_dir(&networks).unwrap().map(|file| file.unwrap().path());
+    let file = file.into_iter().find(|path| path.extension().is_some_and(|found| found == "onnx")).unwrap();
+    let checked = |hold: u32, fastest: &str| {
+        let model =
+            format!("edition 1\nimport \"std/paper.scn\"\npedestrian mine = onnx(model: \"{}\")\n", file.display());
+        let text = text.replace("edition 1\nimport \"std/paper.scn\"\n", &model).replace("2.5 m/s", fastest);
+        let evaluated = text.lines().filter(|line| !line.starts_with("training") && !line.contains("train {"));
+        let evaluated = evaluated.collect::<Vec<_>>().join("\n").replace("  training: quick", "");
+        let block = "  evaluate { towns: [harbour, village] drivers: [blind] pedestrians: [mine] episodes: 2 }\n}";
+        let episode = format!("episode short {{ ticks: 200  hold: {hold} }}\ncampaign");
+        let evaluated = evaluated.trim_end().trim_end_matches('}').replace("episode: thirty_seconds", "episode: short");
+        std::fs::write(here.join("walked.scn"), evaluated.replace("campaign", &episode) + block).unwrap();
+        said(&falsify(&["check", "walked.scn"], here))
+    };
+    assert!(!checked(20, "2.5 m/s").contains("trained otherwise"), "{}", checked(20, "2.5 m/s"));
+    let other = checked(10, "1.5 m/s");
+    assert!(other.contains("it decided every 1 s, and here every 0.5 s"), "{other}");
+    assert!(other.contains("at 0.50 to 2.50 m/s") && other.contains("here it is"), "{other}");
+    assert_eq!(other.matches("trained otherwise").count(), 1, "{other}");
+
     for (topic, all) in [("state", names("state")), ("action", names("action"))] {
         let page = said(&falsify(&["explain", topic], here));
         let missing =

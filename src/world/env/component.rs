@@ -2,7 +2,8 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::{ActionSpec, Cast, EpisodeRule, ObservationSpec, ObservedSpeed, ReferenceFrame, Scaling};
+use super::{ActionSpec, Cast, EpisodeRule, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling};
+use crate::sim::Gait;
 
 /// A number of a state or of an action, for people and for the headers of networks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -148,11 +149,22 @@ impl Cast {
             ("state_frame", role.observation.frame.name().into()),
             ("action", json(self.action_components())),
             ("action_frame", role.action.frame.name().into()),
+            ("body", body(role)),
             ("tick_s", rule.tick.to_string()),
             ("decision_ticks", rule.hold.to_string()),
             ("decision_s", (rule.tick * f64::from(rule.hold)).to_string()),
         ]
     }
+}
+
+/// The size, the speeds and the limits of a pedestrian, in words.
+fn body(role: &PedestrianRole) -> String {
+    let (slowest, fastest) = role.action.speed;
+    let limits = match role.body.gait {
+        Gait::Carla { .. } => "CARLA's gait".to_string(),
+        Gait::Inertial { acceleration, .. } => format!("{acceleration:.2} m/s^2"),
+    };
+    format!("{:.3} m wide at {slowest:.2} to {fastest:.2} m/s with {limits}", 2.0 * role.body.radius)
 }
 
 fn of(number: usize, components: impl IntoIterator<Item = Component>) -> impl Iterator<Item = Component> {

@@ -51,7 +51,9 @@ pub use learning::{Learning, LearningKeys};
 pub use method::{Falsifier, Searched};
 pub use natural::{Forces, Gaps, Natural, NaturalKeys, Recording, log_likelihood};
 pub use open_loop::OpenLoop;
-pub use outside::{Networked, NetworkedKeys, PROTOCOL, Programmed, ProgrammedKeys, UnsuitableNetwork};
+pub use outside::{
+    Networked, NetworkedKeys, PROTOCOL, Programmed, ProgrammedKeys, UnsuitableNetwork, network_differs, network_fits,
+};
 pub use random::{Random, RandomKeys};
 pub use recorded_walking::RecordedWalking;
 pub use scripted::{Scripted, ScriptedKeys};

@@ -14,6 +14,12 @@ pub trait WalkPolicy: Send {
         Ok(())
     }
 
+    /// How its training differs from episodes of such a cast in which it can walk, as a part of a sentence.
+    fn differs(&self, cast: &Cast, rule: &EpisodeRule) -> Option<String> {
+        let _ = (cast, rule);
+        None
+    }
+
     /// Prepares for an episode that has just started; `stream` holds its random numbers.
     fn begin(&mut self, stream: Stream) {
         let _ = stream;

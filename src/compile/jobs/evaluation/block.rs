@@ -7,6 +7,7 @@ use crate::grid::{Grid, Nested, of_places};
 use crate::jobs::{JobBlock, NO_REWARD, Origin, Training, TrainingKey};
 use crate::lowering::Lowering;
 use crate::{Campaign, Job};
+use base::diagnostic::Diagnostic;
 use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
 use lang::diagnostics;
@@ -118,9 +119,13 @@ impl Lowering<'_> {
             for each in &chosen {
                 let ControllerKind::Untrained(controller) = &each.controller else { continue };
                 let (scenario, _) = scenarios.values().next().expect("there is a scenario");
-                if let Err(reason) = controller.walk_policy().fits(&scenario.cast, &scenario.episode) {
-                    let place = block.place("pedestrians");
+                let (policy, place) = (controller.walk_policy(), block.place("pedestrians"));
+                if let Err(reason) = policy.fits(&scenario.cast, &scenario.episode) {
                     self.said.push(diagnostics::unfit_pedestrian(place, controller.name(), &walker.name, reason));
+                } else if let Some(difference) = policy.differs(&scenario.cast, &scenario.episode) {
+                    let message = format!("`{}` was trained otherwise: {difference}", controller.name());
+                    let warning = Diagnostic::warning("unfit-pedestrian", place, message);
+                    self.said.push(warning.help("give it the `body` and the `hold` of its training"));
                 }
             }
             let of = |controller: &ControllerKind, trained: &TrainingKey| {

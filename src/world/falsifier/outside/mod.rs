@@ -7,7 +7,7 @@ mod networked;
 mod programmed;
 
 pub use message::PROTOCOL;
-pub use networked::{Networked, NetworkedKeys, UnsuitableNetwork};
+pub use networked::{Networked, NetworkedKeys, UnsuitableNetwork, network_differs, network_fits};
 pub use programmed::{Programmed, ProgrammedKeys};
 
 use crate::av::Fault;

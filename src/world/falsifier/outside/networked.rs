@@ -34,6 +34,43 @@ pub enum UnsuitableNetwork {
     Output(usize),
 }
 
+/// Checks whether a network can control the pedestrians of a cast that are left to it, by what its file says, and the numbers of its input.
+///
+/// # Errors
+/// Why it cannot, as a part of a sentence.
+pub fn network_fits(
+    interface: &BTreeMap<String, String>,
+    inputs: usize,
+    cast: &Cast,
+    rule: &EpisodeRule,
+) -> Result<(), &'static str> {
+    if !inputs.is_multiple_of(cast.obs_dim()) {
+        return Err("its network does not fit the states of the body");
+    }
+    let present = cast.interface(rule);
+    let is_other = |(name, value): &(&str, String)| {
+        FRAMES.contains(name) && interface.get(*name).is_some_and(|known| known != value)
+    };
+    match present.iter().any(is_other) {
+        true => Err("its network was trained with other frames or units of state and action"),
+        false => Ok(()),
+    }
+}
+
+/// How episodes differ from those of the training of a network that [fits](network_fits), as a part of a sentence; `None` as far as its file says.
+pub fn network_differs(interface: &BTreeMap<String, String>, cast: &Cast, rule: &EpisodeRule) -> Option<String> {
+    let differs = |(name, now): (&'static str, String)| {
+        let then = interface.get(name).filter(|then| **then != now)?;
+        match name {
+            "body" => Some(format!("its body was {then}, and here it is {now}")),
+            "decision_s" => Some(format!("it decided every {then} s, and here every {now} s")),
+            _ => None,
+        }
+    };
+    let found: Vec<String> = cast.interface(rule).into_iter().filter_map(differs).collect();
+    (!found.is_empty()).then(|| found.join("; "))
+}
+
 /// A controller that is a network in an ONNX file.
 ///
 /// It gets as many of the last states as its input holds, the oldest first, with zeros for those before the start of an episode, as a network
@@ -78,17 +115,11 @@ impl Networked {
 
 impl WalkPolicy for Networked {
     fn fits(&self, cast: &Cast, rule: &EpisodeRule) -> Result<(), &'static str> {
-        if !self.stack.as_slice().len().is_multiple_of(cast.obs_dim()) {
-            return Err("its network does not fit the states of the body");
-        }
-        let present = cast.interface(rule);
-        let is_other = |(name, value): &(&str, String)| {
-            FRAMES.contains(name) && self.interface.get(*name).is_some_and(|known| known != value)
-        };
-        match present.iter().any(is_other) {
-            true => Err("its network was trained with other frames or units of state and action"),
-            false => Ok(()),
-        }
+        network_fits(&self.interface, self.stack.as_slice().len(), cast, rule)
+    }
+
+    fn differs(&self, cast: &Cast, rule: &EpisodeRule) -> Option<String> {
+        network_differs(&self.interface, cast, rule)
     }
 
     fn begin(&mut self, _: Stream) {
