@@ -205,7 +205,7 @@ impl Scenarios {
         let place = |name: &str, of: fn(&Choice) -> &str| {
             let names: Vec<&str> = left.iter().map(|each| of(each)).collect();
             let names = distinct(names.iter().map(|name| name.to_string()));
-            (names.len() > 1).then(|| format!("{name}= one of {}", names.join(", ")))
+            (names.len() > 1).then(|| format!("{name}= one of {}", listed(names)))
         };
         let open: Vec<String> = [
             place("campaign", |each| &each.campaign),
@@ -261,11 +261,17 @@ fn narrow(left: &mut Vec<&Choice>, what: &str, wanted: Option<&str>, name: impl 
     let kept: Vec<&Choice> = left.iter().copied().filter(|each| name(each) == wanted).collect();
     if kept.is_empty() {
         let known = distinct(left.iter().map(|each| name(each)));
-        let text = format!("there is no {what} `{wanted}` here; there is {}", known.join(", "));
+        let text = format!("there is no {what} `{wanted}` here; there is {}", listed(known));
         return Err(PyValueError::new_err(text));
     }
     *left = kept;
     Ok(())
+}
+
+/// Names in a sentence; that of a scenario without a reward is empty.
+fn listed(names: Vec<String>) -> String {
+    let shown = names.into_iter().map(|name| if name.is_empty() { "\"\" (none)".into() } else { name });
+    shown.collect::<Vec<_>>().join(", ")
 }
 
 /// Each name once, in order.

@@ -158,6 +158,7 @@ fn dimension(name: &str, dimension: Dimension) -> String {
 
 /// The file of the standard library of this name, and the declarations under it.
 fn in_library(word: &str) -> Vec<String> {
+    let word = word.strip_prefix("std/").map_or(word, |file| file.strip_suffix(".scn").unwrap_or(file));
     let about = |(comment, names): (String, Vec<&str>)| {
         format!("import \"std/{word}.scn\"\n\n{comment}\n\nIt declares `{}`.\n", names.join("`, `"))
     };

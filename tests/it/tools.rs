@@ -152,6 +152,9 @@ fn explanations_are_printed() {
     let folder = tempfile::tempdir().unwrap();
     let output = falsify(&["explain", "driver", "idm", "margin"], folder.path());
     assert!(said(&output).0.contains("default `0.5 m`"), "{output:?}");
+    for (word, text) in [("std/pedestrians.scn", "It declares `plausible`"), ("judge", "`falsify judge --help`")] {
+        assert!(said(&falsify(&["explain", word], folder.path())).0.contains(text), "{word}");
+    }
     let output = falsify(&["explain", "drivr"], folder.path());
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output).1.contains("did you mean `driver`?"));

@@ -81,6 +81,14 @@ pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
 
 /// The word after `=` is not a kind of this form.
 pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagnostic {
+    if kinds.is_empty() {
+        let message = format!("{} has no kinds and derives from no other", one(form));
+        let help = format!(
+            "write `{form} NAME {{ … }}` with its keys; `falsify explain {}` shows those of a shipped one",
+            cut(word)
+        );
+        return Diagnostic::error("unknown-kind", span, message).help(help);
+    }
     unknown("unknown-kind", span, format!("unknown kind `{}` of {form}", cut(word)), word, kinds.iter().copied())
 }
 

@@ -44,7 +44,10 @@ pub(super) fn word_or_reference(
             return None;
         }
     }
-    super::value(expression, &Type::Reference(form), context, diagnostics)
+    match &expression.kind {
+        ExpressionKind::Name(word) => named(expression.span, form, word, words, context, diagnostics),
+        _ => super::value(expression, &Type::Reference(form), context, diagnostics),
+    }
 }
 
 /// A declaration of a form.
@@ -57,7 +60,7 @@ pub(super) fn reference(
     let span = expression.span;
     let written = |member: &Expression| context.sources.text(member.span);
     match &expression.kind {
-        ExpressionKind::Name(word) => named(span, form, word, context, diagnostics),
+        ExpressionKind::Name(word) => named(span, form, word, &[], context, diagnostics),
         ExpressionKind::Inline { form: known, place } if form == *known => {
             Some(Value::Reference(context.names.own(*place)))
         }
@@ -70,8 +73,15 @@ pub(super) fn reference(
     }
 }
 
-/// The declaration of this name.
-fn named(span: Span, form: &str, word: &str, context: &Context, diagnostics: &mut Vec<Diagnostic>) -> Option<Value> {
+/// The declaration of this name; `words` may stand in its place.
+fn named(
+    span: Span,
+    form: &str,
+    word: &str,
+    words: &[&'static str],
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Value> {
     let names = context.names;
     if let Some(id) = names.find(form, word) {
         return Some(Value::Reference(id));
@@ -80,14 +90,15 @@ fn named(span: Span, form: &str, word: &str, context: &Context, diagnostics: &mu
         return None;
     }
     let other = names.other_form(context.forms, word);
+    let known = words.iter().copied().chain(names.of_form(form));
     diagnostics.push(if let Some(file) = library::home(form, word) {
         diagnostics::not_imported(span, form, word, file, names.another_import(word, file, context.sources))
     } else if has_kind(form, word, context) {
         diagnostics::kind_for_name(span, form, word)
     } else if let Some(other) = other {
-        diagnostics::other_form(span, form, word, other, names.of_form(form))
+        diagnostics::other_form(span, form, word, other, known)
     } else {
-        diagnostics::unknown_name(span, form, word, names.of_form(form))
+        diagnostics::unknown_name(span, form, word, known)
     });
     None
 }

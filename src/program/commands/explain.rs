@@ -15,7 +15,8 @@ Examples:
   falsify explain training ppo gamma         one key
   falsify explain matrix                     a word of the language, with an example
   falsify explain fault                      a word of results, a column or a metric
-  falsify explain state                      what a pedestrian gets, with units and bounds";
+  falsify explain state                      what a pedestrian gets, with units and bounds
+  falsify explain std/pedestrians.scn        a file of the standard library";
 
 /// Options of `falsify explain`.
 #[derive(Debug, Args)]
@@ -31,7 +32,7 @@ pub fn explain(options: &ExplainArgs) -> Ended {
     let language = language().explain(&options.words);
     let word = options.words.join(" ");
     let meaning = meaning(&word);
-    let columns = columns(&word);
+    let columns = [command(&word).into_iter().collect(), columns(&word)].concat();
     let language = match language {
         Err(reason) if meaning.is_none() && columns.is_empty() => return Err(misused(reason)),
         other => other.ok().map(|text| text.trim_end().to_owned()),
@@ -39,6 +40,13 @@ pub fn explain(options: &ExplainArgs) -> Ended {
     let parts: Vec<String> = meaning.into_iter().chain(language).chain(columns).collect();
     console::say(console::wrapped(&parts.join("\n\n")).trim_end());
     Ok(ExitCode::Done)
+}
+
+/// A command of the program.
+fn command(word: &str) -> Option<String> {
+    let program = super::command();
+    let about = program.find_subcommand(word)?.get_about()?.to_string();
+    Some(format!("`falsify {word}` (a command): {about} (`falsify {word} --help`)"))
 }
 
 /// The words of results, which the book's glossary has, too.
@@ -93,5 +101,7 @@ mod tests {
         assert_eq!(meaning("nothing"), None);
         assert!(columns("fault_rate")[0].contains("metric of `metrics`"), "{:?}", columns("fault_rate"));
         assert!(columns("min_ttc_s")[0].ends_with("(s)"));
+        assert!(command("judge").unwrap().starts_with("`falsify judge` (a command): Judge a collision"));
+        assert_eq!(command("nothing"), None);
     }
 }
