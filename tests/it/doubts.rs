@@ -44,31 +44,32 @@ fn a_training_that_learnt_nothing_is_a_warning_in_every_output_and_fails_a_gate(
     let text = said(&run);
     assert!(text.contains("warning"), "{text}");
     assert!(text.contains("no sign of learning in 1 of 1 trainings: rewards of 0.000 an episode"), "{text}");
-    assert!(text.contains("2 of 2 trainings got less reward than the untrained `intercept` beyond chance"), "{text}");
+    assert!(text.contains("2 of 2 trainings got less reward than the untrained `intercept` beyond chance: "), "{text}");
+    assert!(text.contains(" an episode, and `intercept` 0."), "{text}");
     assert!(text.contains("train for more `steps`"), "{text}");
     for (campaign, doubt) in
         [("unpaid_hits", "no sign of learning"), ("short_of_steps", "got less reward than the untrained")]
     {
         let report = here.join("reports").join(campaign);
         let summary = read(&report, "summary.md");
-        assert!(summary.contains("Some trainings may have learned nothing") && summary.contains(doubt), "{summary}");
+        assert!(summary.contains("Some trainings are doubtful") && summary.contains(doubt), "{summary}");
         let page = read(&report, "report.html");
-        assert!(page.contains(doubt) && page.contains("Did the trainings learn?"), "{campaign}");
+        assert!(page.contains(doubt) && page.contains("Do the trainings beat untrained pedestrians?"), "{campaign}");
     }
     let results = read(&here.join("reports/short_of_steps"), "results.csv");
-    let column = results.lines().next().unwrap().split(',').position(|name| name == "learnt").unwrap();
+    let column = results.lines().next().unwrap().split(',').position(|name| name == "beats_untrained").unwrap();
     let learnt: Vec<&str> = results.lines().skip(1).map(|line| line.split(',').nth(column).unwrap()).collect();
     assert_eq!(learnt, ["no", "", ""]);
 
     // The same from the store, for programs.
-    let json = falsify(&["run", "--format", "json", "--fail-if", "learnt != yes", "doubtful.scn"], here);
+    let json = falsify(&["run", "--format", "json", "--fail-if", "beats_untrained != yes", "doubtful.scn"], here);
     assert_eq!(json.status.code(), Some(7), "{json:?}");
     let events: Vec<serde_json::Value> =
         String::from_utf8_lossy(&json.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let warned =
         |campaign: &str| events.iter().any(|event| event["event"] == "warning" && event["campaign"] == campaign);
     assert!(warned("unpaid_hits") && warned("short_of_steps"), "{events:?}");
-    assert!(said(&json).contains("learnt is no"), "{}", said(&json));
+    assert!(said(&json).contains("beats_untrained is no"), "{}", said(&json));
 
     // No training hides what `intercept` finds.
     let of_trained = ["--fail-if", "collision_rate > 0.3 and pedestrian == trained"];
@@ -88,5 +89,8 @@ fn a_smoke_run_has_no_doubts() {
     assert_eq!(run.status.code(), Some(0), "{run:?}");
     assert!(!said(&run).contains("no sign of learning"), "{}", said(&run));
     let summary = read(&here.join("reports/unpaid_hits-smoke"), "summary.md");
-    assert!(!summary.contains("no sign of learning") && summary.contains("Did the trainings learn?"), "{summary}");
+    assert!(
+        !summary.contains("no sign of learning") && summary.contains("Do the trainings beat untrained pedestrians?"),
+        "{summary}"
+    );
 }

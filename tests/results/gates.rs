@@ -20,7 +20,7 @@ fn cells() -> DataFrame {
     df!(
         "town" => ["harbour", "village", "village"],
         "pedestrian" => ["trained", "trained", "random"],
-        "learnt" => learnt,
+        "beats_untrained" => learnt,
         "preventable_rate_mean" => rates,
         "errors" => [0_u32, 0, 3]
     )
@@ -84,17 +84,17 @@ fn a_gate_is_broken_where_all_its_conditions_hold() {
 #[test]
 fn words_of_the_key_choose_cells_and_other_words_are_judged() {
     for (text, wanted) in [
-        ("learnt != yes", "pbe"),
-        ("learnt == yes", "bpe"),
-        ("learnt != yes and town == harbour", "pee"),
-        ("learnt != yes and preventable_rate > 0.05", "pbe"),
+        ("beats_untrained != yes", "pbe"),
+        ("beats_untrained == yes", "bpe"),
+        ("beats_untrained != yes and town == harbour", "pee"),
+        ("beats_untrained != yes and preventable_rate > 0.05", "pbe"),
         ("pedestrian == random and town == harbour", "eee"),
         ("pedestrian == random", "eeb"),
     ] {
         assert_eq!(judged(text), wanted, "{text}");
     }
-    let gate = Gate::parse("learnt != yes").unwrap();
-    assert_eq!(gate.judge(&cells())[1], Judged::Broken(vec![("learnt".into(), "no".into())]));
+    let gate = Gate::parse("beats_untrained != yes").unwrap();
+    assert_eq!(gate.judge(&cells())[1], Judged::Broken(vec![("beats_untrained".into(), "no".into())]));
 }
 
 #[test]
@@ -216,7 +216,7 @@ fn a_gate_that_can_never_be_true_is_refused() {
         "errors > 0 and errors < 1",
         "errors == 0.5",
         "fault_rate_sd < 0",
-        "learnt == yes and learnt != yes",
+        "beats_untrained == yes and beats_untrained != yes",
         "town == village and town == harbour",
         "max over pedestrians fault_rate > 0.5 and fault_rate < 0.4",
     ] {
@@ -229,7 +229,7 @@ fn a_gate_that_can_never_be_true_is_refused() {
         "errors > 0 and errors < 2",
         "fault_rate > 0.1 and preventable_rate < 0.1",
         "town != village and town != harbour",
-        "learnt != yes and learnt != no",
+        "beats_untrained != yes and beats_untrained != no",
     ] {
         assert!(Gate::parse(text).is_ok(), "{text}");
     }
@@ -237,7 +237,7 @@ fn a_gate_that_can_never_be_true_is_refused() {
     assert!(Gate::of_table("fault_rate_p_holm < 0", &comparison).is_err());
     assert!(Gate::of_table("fault_rate_difference < 0 and fault_rate_p_holm < 0.05", &comparison).is_ok());
     assert!(Gate::of_table("fault_rate_high < 0", &comparison).is_ok(), "the interval of a difference");
-    let typo = Gate::parse("learnt == ja").unwrap_err().to_string();
+    let typo = Gate::parse("beats_untrained == ja").unwrap_err().to_string();
     assert!(typo.contains("write one of yes, no, unclear"), "{typo}");
 }
 
@@ -287,7 +287,7 @@ fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
     for text in ["max over towns collision_rate > 0", "max over pedestrians > 0", "maximum collision_rate > 0"] {
         assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
     }
-    assert!(Gate::parse("max over pedestrians preventable_rate_student_low > 0.05 and learnt == yes").is_ok());
+    assert!(Gate::parse("max over pedestrians preventable_rate_student_low > 0.05 and beats_untrained == yes").is_ok());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What gates know of a cell: its metrics, the evidence on them, and its violations.
 
 use super::aggregate::{Cell, CellRequirement, GATED, ProtocolCell, Rate, passed_share, score};
-use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, LEARNT, reference_rates};
+use super::infer::{BEATS_UNTRAINED, CellEvidence, Figure, IMPACT_SPEED_P90, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::record::metric::{IMPACT_SPEED, MEAN, RUNS};
 use crate::record::{CellKey, Column, ColumnReference, Entry, Metric, Role, Table, cell_key, metrics};
@@ -72,7 +72,9 @@ pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
     let learning = |row: &Row<'a>| row.evidence.learning.clone();
     let disagree = move |row: &Row<'a>| Some(if learning(row)?.disagree()? { "yes" } else { "no" });
     table = table
-        .column(LEARNT.of(move |row: &Row<'a>| learning(row).map(|learning| learning.learnt().name())))
+        .column(
+            BEATS_UNTRAINED.of(move |row: &Row<'a>| learning(row).map(|learning| learning.beats_untrained().name())),
+        )
         .column(Column::<String>::new(TRAININGS_DISAGREE.name, "", "").of(disagree));
     let not_tested = |row: &Row<'a>| row.test().iter().filter(|cell| !cell.is_tested()).count();
     table = table.column(share(SCORE, |row| score(row.test().iter())));

@@ -19,7 +19,7 @@ use results::report::{self, Gate, GateError, Judged, SearchCell, Suite};
 pub struct GateArgs {
     /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
     /// metrics, also of searches, as 'fault_start_rate > 0.1'; may be given several times. `max over pedestrians
-    /// COLUMN` judges the worst pedestrian of each place, 'learnt != yes' requires that every training learnt.
+    /// COLUMN` judges the worst pedestrian of each place, 'beats_untrained != yes' wants trainings above untrained pedestrians.
     #[arg(long, value_name = "CONDITION", help_heading = "Gates")]
     pub fail_if: Vec<String>,
     /// Compare each report with this one from before, or with that of the same name in this folder of reports. --fail-if then also knows

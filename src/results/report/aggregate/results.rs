@@ -4,19 +4,19 @@ use super::{Cell, Failures, Rate};
 use crate::failure::Failure;
 use crate::record::columns::{DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, WORLD};
 use crate::record::{Column, Entry, Interval, Table};
-use crate::report::infer::{CellEvidence, LEARNT};
+use crate::report::infer::{BEATS_UNTRAINED, CellEvidence};
 
 /// The stem of the files of the table of results.
 pub const RESULTS: &str = "results";
 
-/// A cell, whether its trainings learnt, and the worst of its failures.
+/// A cell, whether its trainings beat untrained pedestrians, and the worst of its failures.
 type Row<'a> = (&'a Cell, Option<&'static str>, Option<&'a Failure>);
 
 /// The table to open first: one row for each cell.
 pub fn results(cells: &[Cell], evidence: &[CellEvidence], failures: &Failures) -> DataFrame {
-    let learnt = |found: &CellEvidence| found.learning.as_ref().map(|learning| learning.learnt().name());
+    let beats = |found: &CellEvidence| found.learning.as_ref().map(|learning| learning.beats_untrained().name());
     let rows: Vec<Row<'_>> =
-        cells.iter().zip(evidence).map(|(cell, found)| (cell, learnt(found), failures.worst_of(&cell.key))).collect();
+        cells.iter().zip(evidence).map(|(cell, found)| (cell, beats(found), failures.worst_of(&cell.key))).collect();
     results_table().frame(&rows)
 }
 
@@ -36,7 +36,7 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     .column(WORLD.of(|row: &Row<'_>| row.0.key.world.clone()))
     .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs))
     .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes))
-    .column(LEARNT.of(|row: &Row<'_>| row.1));
+    .column(BEATS_UNTRAINED.of(|row: &Row<'_>| row.1));
     let collision = "collisions of all episodes, with Wilson's 95 % interval over starts; bumps do not count";
     table = rate(table, "collision_rate", collision, |cell| &cell.collision);
     let fault = "faults of the driver, of all episodes, as above";

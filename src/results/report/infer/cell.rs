@@ -24,7 +24,7 @@ pub struct CellEvidence {
     pub avoided: [ClusteredCount; Reference::COUNT],
     /// The number of episodes in which each would have braked needlessly.
     pub needless: [ClusteredCount; Reference::COUNT],
-    /// Whether its trainings learnt; `None` for an untrained controller.
+    /// How its trainings compare with untrained pedestrians; `None` for an untrained controller.
     pub learning: Option<Learning>,
 }
 

@@ -14,7 +14,7 @@ const BEYOND_EPISODES: f64 = 2.0;
 /// and by more than this share of what they gained on average.
 const OF_THE_GAIN: f64 = 0.5;
 
-/// Whether the trainings of a cell learnt, by the reward that they were trained for.
+/// Whether the trainings of a cell beat untrained pedestrians, by the reward that they were trained for.
 ///
 /// It is about these trainings: episodes are their only source of error. The comparisons of a campaign ask the other question, what further
 /// trainings would show, and with a few trainings they seldom have an answer.
@@ -53,7 +53,7 @@ pub struct TrainingDifference {
 choice! {
     /// The answer.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub enum Learnt {
+    pub enum BeatsUntrained {
         /// Each training is significantly above an untrained pedestrian, and none is below one.
         Yes = "yes",
         /// A training is significantly below an untrained pedestrian.
@@ -83,14 +83,14 @@ impl Learning {
         Some(Self { by_episodes: by_episodes(&own), rewards: own.values, baselines })
     }
 
-    /// Whether they learnt.
-    pub fn learnt(&self) -> Learnt {
+    /// Whether they beat untrained pedestrians.
+    pub fn beats_untrained(&self) -> BeatsUntrained {
         if !self.below().is_empty() {
-            Learnt::No
+            BeatsUntrained::No
         } else if self.baselines.is_empty() || self.unclear() > 0 {
-            Learnt::Unclear
+            BeatsUntrained::Unclear
         } else {
-            Learnt::Yes
+            BeatsUntrained::Yes
         }
     }
 
@@ -278,7 +278,7 @@ impl fmt::Display for Doubt {
         match &self.reason {
             Reason::Below { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "{count} of {of} trainings got less reward than {} beyond chance: {} and {reward:.3} an episode",
+                "{count} of {of} trainings got less reward than {} beyond chance: {} an episode, and `{controller}` {reward:.3}",
                 named(controller),
                 listed(rewards)
             ),

@@ -20,6 +20,6 @@ pub use comparison::{Comparison, Test};
 pub use evaluated_run::{EvaluatedRun, MAX_KEPT};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
-pub use learning::{Doubt, Learning, Learnt, Reason, Untrained, doubts};
+pub use learning::{BeatsUntrained, Doubt, Learning, Reason, Untrained, doubts};
 pub use pair::compare_pair;
-pub use tables::{ComparedRow, IMPACT_SPEED_P90, LEARNT, comparison_table, reference_rates};
+pub use tables::{BEATS_UNTRAINED, ComparedRow, IMPACT_SPEED_P90, comparison_table, reference_rates};

@@ -26,8 +26,8 @@ const P_HOLM: Column<f64> = Column::new(
     "p_holm",
     "",
     "two-sided p-value, adjusted for all tests of its kind in the table by Holm's method; in 95 % of campaigns no finding of its kind \
-     below 0.05 is false; a kind is all rows that compare pedestrians, or all that compare drivers. Missing without a test, as where neither cell has \
-     such a collision",
+     below 0.05 is false; a kind is all rows that compare pedestrians, or all that compare drivers. Missing without a test: where neither cell has \
+     such a collision, or one has two runs",
 );
 
 const REST: Family<f64> = Family::new(
@@ -50,11 +50,11 @@ pub const IMPACT_SPEED_P90: Column<f64> = Column::new(
     "90th percentile over all collisions; of each run the first 100,000 episodes",
 );
 
-pub const LEARNT: Column<String> = Column::new(
-    "learnt",
+pub const BEATS_UNTRAINED: Column<String> = Column::new(
+    "beats_untrained",
     "",
-    "whether the trainings of the cell learnt, by the mean reward of an episode; `no` where a training is significantly below an untrained \
-     pedestrian with the same reward and starts, `yes` where each training is significantly above one and none is below, else `unclear`. About \
+    "whether every training of the cell gets more reward an episode than an untrained pedestrian, and none less; `no` where a training is significantly below one \
+     with the same reward and starts, such as `intercept`, however much better than `random` it is; `yes` where each is significantly above one and none is below; else `unclear`. About \
      these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for \
      untrained pedestrians",
 );

@@ -2,7 +2,7 @@ use super::GateError;
 use crate::record::metric::MEAN;
 use crate::record::{ColumnReference, Role, metrics};
 use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT};
-use crate::report::infer::{LEARNT, Learnt};
+use crate::report::infer::{BEATS_UNTRAINED, BeatsUntrained};
 use crate::report::metric_table::TRAININGS_DISAGREE;
 
 /// A part of a gate: a column, a sign, and a number or a word.
@@ -136,7 +136,9 @@ impl Condition {
             Bound::Number(number)
         };
         let known: Option<Vec<&str>> = match &*column.name {
-            name if name == LEARNT.name => Some(Learnt::ALL.iter().map(|learnt| learnt.name()).collect()),
+            name if name == BEATS_UNTRAINED.name => {
+                Some(BeatsUntrained::ALL.iter().map(|answer| answer.name()).collect())
+            }
             name if name == TRAININGS_DISAGREE.name => Some(vec!["yes", "no"]),
             _ => None,
         };

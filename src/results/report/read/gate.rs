@@ -605,10 +605,12 @@ mod tests {
         let reason = |text: &str| Gate::parse(text).unwrap().check_keys(&keys);
         assert_eq!(reason("preventable_rate > 0.05"), Ok(()));
         assert_eq!(reason("preventable_rate > 0.05 and town == village"), Ok(()));
-        assert_eq!(reason("learnt != yes"), Ok(()), "results are known after the run only");
-        let untrained = Gate::parse("learnt != yes").unwrap().check_keys(&keys.tail(Some(1))).unwrap_err();
-        assert_eq!(untrained, "`learnt` is about trained pedestrians, and no campaign evaluates one");
-        assert!(reason("learnt != yes and pedestrian == random").unwrap_err().contains("no row is chosen by all"));
+        assert_eq!(reason("beats_untrained != yes"), Ok(()), "results are known after the run only");
+        let untrained = Gate::parse("beats_untrained != yes").unwrap().check_keys(&keys.tail(Some(1))).unwrap_err();
+        assert_eq!(untrained, "`beats_untrained` is about trained pedestrians, and no campaign evaluates one");
+        assert!(
+            reason("beats_untrained != yes and pedestrian == random").unwrap_err().contains("no row is chosen by all")
+        );
         let typo = reason("preventable_rate > 0.05 and town == vilage").unwrap_err();
         assert_eq!(typo, "`town` can be: harbour, village");
         let apart = reason("preventable_rate > 0.05 and town == harbour and pedestrian == random").unwrap_err();

@@ -89,7 +89,7 @@ pub const INCOMPLETE: &str = "Incomplete: the run was stopped, something failed 
 The manifest says which.";
 
 /// A notice for readers of a report with doubtful trainings.
-pub const DOUBTFUL: &str = "Some trainings may have learned nothing, or disagree: see \"Did the trainings learn?\". A low rate of their rows \
+pub const DOUBTFUL: &str = "Some trainings are doubtful: see \"Do the trainings beat untrained pedestrians?\". A low rate of their rows \
 says little about the driver.";
 
 /// The first sentence of the scenario's documentation of each of its names.

@@ -116,7 +116,7 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
             @for caution in &found.cautions { p.warn { (prose(&format!("{caution}."))) } }
             @for doubt in found.doubts.iter().take(MAX_DOUBTS) { p.warn { (prose(&format!("{doubt}."))) } }
             @if found.doubts.len() > MAX_DOUBTS {
-                p.warn { a href="#learnt" { (found.doubts.len() - MAX_DOUBTS) " more doubts about trainings" } }
+                p.warn { a href="#beats-untrained" { (found.doubts.len() - MAX_DOUBTS) " more doubts about trainings" } }
             }
             @if manifest.errors > 0 {
                 p.warn {

@@ -1,8 +1,8 @@
 use super::names::{head, names};
 use crate::report::render::table::{Column, Depth, Section, Table, Value};
-use crate::report::{Findings, Learnt};
+use crate::report::{BeatsUntrained, Findings};
 
-/// Whether the trainings learnt, and the doubts about them; `None` if no trained controller was evaluated.
+/// Whether the trainings beat untrained pedestrians, and the doubts about them; `None` if no trained controller was evaluated.
 pub fn learnt(found: &Findings<'_>) -> Option<Section> {
     let Findings { cells, doubts, gathered, .. } = found;
     let both = cells.iter().zip(&gathered.evidence.cells);
@@ -19,7 +19,7 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
     let mut columns = head();
     columns.push(Column::text("reward of each training"));
     columns.extend(untrained.iter().map(|other| Column::number(format!("less {other} (95 %)"))));
-    columns.extend(["learnt", "trainings"].map(Column::text));
+    columns.extend(["beats untrained", "trainings"].map(Column::text));
     let mut rows = Vec::new();
     for (cell, learning) in judged {
         let each: Vec<String> =
@@ -29,12 +29,12 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
             let (difference, interval) = found.map(|found| found.difference).unzip();
             Value::Difference(difference, interval)
         };
-        let learnt = learning.learnt();
-        let name = learnt.name().to_string();
+        let answer = learning.beats_untrained();
+        let name = answer.name().to_string();
         let mut row = names(cell, cells);
         row.push(each.join(" ").into());
         row.extend(untrained.iter().map(less));
-        row.push(if learnt == Learnt::Yes { Value::Text(name) } else { Value::Warning(name) });
+        row.push(if answer == BeatsUntrained::Yes { Value::Text(name) } else { Value::Warning(name) });
         row.push(match learning.disagree() {
             Some(true) => Value::Warning("disagree".into()),
             Some(false) => Value::Text("agree".into()),
@@ -43,9 +43,9 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
         rows.push(row);
     }
     let mut notes = vec![
-        "Mean reward of an episode of each training, and their mean less that of pedestrians that learn nothing, from the same starts. *Learnt*: **yes** where each training is \
+        "Mean reward of an episode of each training, and their mean less that of pedestrians that learn nothing, from the same starts. *Beats untrained*: **yes** where each training is \
          significantly above one of these and none is below, **no** where one is below, else **unclear** (5 %, Holm). Trainings *disagree* where their standard deviation is more than \
-         twice what the episodes explain and more than half of their mean gain over `random`. `--fail-if 'learnt != yes'` and `--fail-if 'trainings_disagree == yes'` require it."
+         twice what the episodes explain and more than half of their mean gain over `random`. `--fail-if 'beats_untrained != yes'` and `--fail-if 'trainings_disagree == yes'` require it."
             .to_string(),
     ];
     if !doubts.is_empty() {
@@ -53,9 +53,9 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
         notes.insert(0, each.join("\n"));
     }
     Some(Section {
-        id: "learnt",
-        name: "Learnt?",
-        title: "Did the trainings learn?",
+        id: "beats-untrained",
+        name: "Trainings",
+        title: "Do the trainings beat untrained pedestrians?",
         depth: if doubts.is_empty() { Depth::Page } else { Depth::Summary },
         tables: vec![Table { head: columns, rows, ..Table::default() }],
         notes,
