@@ -238,6 +238,10 @@ fn seeds_are_pooled_and_stop_at_the_first_report_in_the_way() {
     let mean = format!("{:.3}", rates.iter().sum::<f64>() / 4.0);
     let shown = said.lines().find(|line| line.contains("blind") && line.contains("intercept   ")).unwrap();
     assert!(shown.contains(&mean), "{mean} in {shown}");
+    let notes = String::from_utf8(output.stderr).unwrap();
+    assert!(notes.contains("seed 2, 2 of 4"), "{notes}");
+    let page = std::fs::read_to_string(folder.path().join("reports/overview.html")).unwrap();
+    assert!(page.contains("collision, difference"), "all figures are on the page");
     // One seed alone has the same report.
     let alone = falsify(&["run", "c.scn", "--seed", "3", "--out", "alone"], folder.path());
     assert!(alone.status.success());

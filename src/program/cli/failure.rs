@@ -44,16 +44,19 @@ pub fn notice(notice: &Notice) {
     }
 }
 
-/// Warns if programs crashed or timed out in this process. Several episodes run at once, and each in which that happens is repeated alone: what
-/// happens only among others is in no result.
-pub fn programs() {
+/// Warns if programs crashed or timed out in this process: they are started again, and an episode is lost if that happens when it is repeated alone.
+/// `lost` is the number of episodes without a result, if it is known.
+pub fn programs(lost: Option<u64>) {
     let times = match process::failures() {
         0 => return,
         _ if interrupt::stop().is_asked() => return,
         1 => "once".to_owned(),
         times => format!("{times} times"),
     };
-    console::warn(&format!(
-        "programs crashed or timed out {times}; the column `error` of `episodes` names the episodes without a result"
-    ));
+    let end = match lost {
+        None => String::new(),
+        Some(0) => "; no episode was lost".to_owned(),
+        Some(lost) => format!("; the column `error` of `episodes` says why {lost} have no result"),
+    };
+    console::warn(&format!("programs crashed or timed out {times} and were started again{end}"));
 }

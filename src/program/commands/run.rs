@@ -51,7 +51,7 @@ pub struct RunArgs {
     /// What a session does with them.
     #[command(flatten)]
     pub run: session::RunOptions,
-    /// Run it at several seeds, as 1..3, and pool their reports, which are called NAME-seed-N.
+    /// Run it at several seeds, as 1..4, and pool their reports, which are called NAME-seed-N; intervals come from four seeds on.
     #[arg(long, value_name = "A..B", value_parser = seeds, conflicts_with_all = ["list", "shard", "seed"], help_heading = "What runs", display_order = 6)]
     pub seeds: Option<RangeInclusive<u64>>,
     /// Form of the output; `json` is one event a line (reports/README.md).
@@ -130,7 +130,7 @@ fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
         Some((Ok(first), Ok(last))) if first < last && last <= i64::MAX as u64 && last - first < MAX_SEEDS => {
             Ok(first..=last)
         }
-        _ => Err(format!("write the first and the last seed, as 1..3, at most {MAX_SEEDS} of them")),
+        _ => Err(format!("write the first and the last seed, as 1..4, at most {MAX_SEEDS} of them")),
     }
 }
 
@@ -145,11 +145,8 @@ pub fn run(options: &RunArgs) -> Ended {
     ended(options.format, run_or_list(options))
 }
 
-/// Warns of programs that failed, and reports the exit code of a command to programs.
+/// Reports the exit code of a command to programs.
 pub fn ended(output: Output, ended: Ended) -> Ended {
-    if ended.is_ok() {
-        failure::programs();
-    }
     if output == Output::Json {
         let (Ok(code) | Err(code)) = ended;
         EventLine::RunEnded { exit_code: code as u8 }.tell();
@@ -169,7 +166,9 @@ fn run_or_list(options: &RunArgs) -> Ended {
         return finished(options, &run);
     };
     let shard = shard.resolve(|name| std::env::var(name).ok()).map_err(misused)?;
-    run_shard(options, &session, &wanted, shard).map_err(failed)
+    let ended = run_shard(options, &session, &wanted, shard).map_err(failed)?;
+    failure::programs(None);
+    Ok(ended)
 }
 
 /// Writes the report for a server of continuous integration, and chooses the exit code of a run.
@@ -184,6 +183,7 @@ pub fn finished(options: &RunArgs, run: &RunReport) -> Ended {
             Output::Json => EventLine::OverviewWritten { page: &overview.page }.tell(),
         }
     }
+    failure::programs(Some(run.reports().map(|report| report.manifest.errors).sum()));
     if run.interrupted {
         return Ok(ExitCode::Interrupted);
     }

@@ -38,8 +38,10 @@ impl Session {
             planned.plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(seed));
             planned.plan.campaigns.iter().try_for_each(|each| check_place(each, &of_seed(seed), &planned.records))?;
         }
-        let mut run = RunReport { campaigns: Vec::new(), interrupted: false, overview: None };
-        for seed in seeds {
+        let (mut run, all) =
+            (RunReport { campaigns: Vec::new(), interrupted: false, overview: None }, seeds.clone().count());
+        for (place, seed) in seeds.enumerate() {
+            self.notice(&Notice::Note(format!("seed {seed}, {} of {all}", place + 1)));
             planned.plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(seed));
             run.campaigns.extend(self.run_campaigns(&of_seed(seed), &planned, Work::All)?);
             run.interrupted = self.stop.is_asked();

@@ -13,8 +13,8 @@ pub const SEED: &str = "seed";
 pub struct Pooled<'a> {
     /// The rows of the seeds, in the order in which they ran.
     pub rows: Vec<&'a OverviewRow<'a>>,
-    /// The rows of the first controller, or falsifier, in the same town against the same driver; `None` for itself.
-    pub beside: Option<Vec<&'a OverviewRow<'a>>>,
+    /// The number of the first controller, or falsifier, in the same town against the same driver.
+    pub first: usize,
     /// The place of the seed among the parameters.
     seed: usize,
 }
@@ -64,10 +64,18 @@ impl<'a> Pooled<'a> {
                 None => groups.push(vec![row]),
             }
         }
-        let first =
-            |group: &Vec<&OverviewRow<'a>>| groups.iter().find(|other| place(other[0]) == place(group[0])).cloned();
-        let beside = |group: &Vec<_>| first(group).filter(|first| !std::ptr::eq(first[0], group[0]));
-        groups.iter().map(|rows| Pooled { rows: rows.clone(), beside: beside(rows), seed }).collect()
+        let first = |group: &[&OverviewRow<'a>]| groups.iter().position(|other| place(other[0]) == place(group[0]));
+        let pooled = groups.iter().filter_map(|rows| Some(Pooled { rows: rows.clone(), first: first(rows)?, seed }));
+        pooled.collect()
+    }
+
+    /// The pairs of controllers, or falsifiers, in one town against one driver: a later one and an earlier one.
+    pub fn pairs(all: &[Self]) -> Vec<(&Self, &Self)> {
+        let mut pairs = Vec::new();
+        for (number, own) in all.iter().enumerate() {
+            pairs.extend(all[..number].iter().filter(|other| other.first == own.first).map(|other| (own, other)));
+        }
+        pairs
     }
 
     /// The controller with its reward, or the falsifier, with its report if another one of the same name is in the same place.
@@ -85,11 +93,10 @@ impl<'a> Pooled<'a> {
         Rate::student(self.rows.iter().map(|row| of_row(row, figure)), 1.0)
     }
 
-    /// The difference to the first controller or falsifier there, seed by seed.
-    pub fn difference(&self, figure: &FigureOf) -> Rate {
-        let Some(beside) = &self.beside else { return Rate::default() };
+    /// The difference to another controller or falsifier there, seed by seed.
+    pub fn difference(&self, beside: &Self, figure: &FigureOf) -> Rate {
         let same = |row: &&OverviewRow<'_>| {
-            beside.iter().find(|other| other.values[self.seed] == row.values[self.seed]).copied()
+            beside.rows.iter().find(|other| other.values[self.seed] == row.values[self.seed]).copied()
         };
         let pairs = self.rows.iter().filter_map(|row| Some([*row, same(row)?]));
         let difference = |[own, other]: [&OverviewRow<'_>; 2]| Some(of_row(own, figure)? - of_row(other, figure)?);
@@ -98,9 +105,9 @@ impl<'a> Pooled<'a> {
         Rate::of_runs(differences).within(interval, super::aggregate::Method::Student)
     }
 
-    /// The probability of such differences if there is none in truth (Student's, two-sided); `None` for a single seed.
-    pub fn p(&self, figure: &FigureOf) -> Option<f64> {
-        mean_p(&self.difference(figure).by_run)
+    /// The probability of such differences if there is none in truth (Student's, two-sided); `None` for one seed and two.
+    pub fn p(&self, beside: &Self, figure: &FigureOf) -> Option<f64> {
+        mean_p(&self.difference(beside, figure).by_run)
     }
 }
 

@@ -7,7 +7,7 @@ use super::sections::{Scale, failed_starts, injury, searcher};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
 use crate::report::pooled::{FIGURES, Pooled, SEED};
-use crate::report::{DriverResult, Variant};
+use crate::report::{DriverResult, Rate, Variant};
 
 /// How to read the tables.
 const READING: &str = "A row is a pedestrian, or a search, in a town against a driver. Rates are shares of all episodes: the mean over runs \
@@ -25,7 +25,7 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
             section #table {
                 h2 { "What was found" }
                 @for line in doubtful(overview) { (paragraph(&line)) }
-                @for table in pooled(overview).into_iter().chain(tables(overview)) { (table.to_html()) }
+                @for table in pooled(overview, true).into_iter().chain(tables(overview)) { (table.to_html()) }
                 (paragraph(READING))
             }
         }
@@ -34,12 +34,14 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
 }
 
 pub fn overview_for_terminal(overview: &Overview<'_>) -> String {
-    let pooled = pooled(overview);
+    let pooled = pooled(overview, false);
+    let pooled_seeds = pooled.len() > 1;
     // The reports of the seeds are on the page.
     let shown = if pooled.is_empty() { tables(overview) } else { pooled };
     let tables: Vec<String> = shown.iter().map(|table| table.to_terminal(80)).collect();
     let doubts: String = doubtful(overview).iter().map(|line| format!("\n{}", line.replace("**", ""))).collect();
-    tables.join("\n") + &doubts
+    let more = if pooled_seeds { "\nThe page has the differences of all figures and pairs.\n" } else { "" };
+    tables.join("\n") + more + &doubts
 }
 
 /// What a reader must know before rows are compared: trainings that are in doubt, and that the best of many rows is the best by chance, too.
@@ -71,8 +73,8 @@ fn reports(overview: &Overview<'_>) -> usize {
     overview.variants.len()
 }
 
-/// Figures over the seeds of a call, and their differences to the first controller or falsifier; empty for a single seed.
-fn pooled(overview: &Overview<'_>) -> Vec<Table> {
+/// Figures over the seeds of a call, and differences: of all figures and pairs, or of faults to the first controller or falsifier; empty for a single seed.
+fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
     let all = Pooled::all(overview);
     let parameters: Vec<usize> =
         (0..overview.parameters.len()).filter(|place| overview.parameters[*place] != SEED).collect();
@@ -99,7 +101,7 @@ fn pooled(overview: &Overview<'_>) -> Vec<Table> {
         let mut row = words(pooled);
         for figure in &FIGURES {
             let rate = pooled.figure(figure);
-            row.extend([Value::average(&rate, 3), Value::Number(rate.sd, 3)]);
+            row.extend([over_seeds(&rate, false), Value::Number(rate.sd, 3)]);
         }
         row
     };
@@ -108,34 +110,45 @@ fn pooled(overview: &Overview<'_>) -> Vec<Table> {
         title: "Over the seeds".into(),
         head: head(figures.collect()),
         rows: all.iter().map(row).collect(),
-        notes: vec!["The mean over the seeds with Student's 95 % interval; of fewer than four seeds each. A search's fault is the share of starts with one.".into()],
+        notes: vec!["The mean over the seeds with Student's 95 % interval from four seeds on, else ± their standard deviation. A search's fault is the share of starts with one.".into()],
         ..Table::default()
     }];
-    let p = |pooled: &Pooled<'_>| match pooled.p(&FIGURES[0]) {
+    let p = |p: Option<f64>| match p {
         Some(p) if p < 0.001 => "< 0.001".into(),
         p => Value::Number(p, 3),
     };
-    let difference = |pooled: &Pooled<'_>| {
-        let beside = pooled.beside.as_ref()?[0].who();
-        let rate = pooled.difference(&FIGURES[0]);
-        let shown = match rate.interval {
-            Some(_) => Value::Difference(rate.value, rate.interval),
-            None => Value::Runs(rate.by_run, 3, true),
-        };
-        Some([words(pooled), vec![beside.into(), shown, p(pooled)]].concat())
+    let difference = |(own, beside): (&Pooled<'_>, &Pooled<'_>)| {
+        let figures = FIGURES[..if everything { FIGURES.len() } else { 1 }]
+            .iter()
+            .flat_map(|figure| [over_seeds(&own.difference(beside, figure), true), p(own.p(beside, figure))]);
+        words(own).into_iter().chain([beside.who(&all).into()]).chain(figures).collect::<Vec<Value>>()
     };
+    let pairs = Pooled::pairs(&all);
+    let shown = pairs.into_iter().filter(|(_, beside)| everything || std::ptr::eq(*beside, &all[beside.first]));
+    let figures = FIGURES.iter().take(if everything { FIGURES.len() } else { 1 });
+    let columns = figures.flat_map(|(name, ..)| [Column::number(format!("{name}, difference")), Column::number("p")]);
     let differences = Table {
-        title: "Differences of the fault rate, paired by seed".into(),
-        head: head(vec![Column::text("beside"), Column::number("difference"), Column::number("p")]),
-        rows: all.iter().filter_map(difference).collect(),
+        title: "Differences, paired by seed".into(),
+        head: head(std::iter::once(Column::text("beside")).chain(columns).collect()),
+        rows: shown.map(difference).collect(),
         notes: vec![
-            "p is Student's, two-sided, and corrected for nothing: of twenty rows one is below 0.05 by chance.".into(),
+            "p is Student's, two-sided, from three seeds on, and corrected for nothing: of twenty rows one is below 0.05 by chance.".into(),
         ],
         ..Table::default()
     };
     tables.push(differences);
     tables.retain(|table| !table.rows.is_empty());
     tables
+}
+
+/// A mean over seeds with its interval, or of too few for one with their standard deviation.
+fn over_seeds(rate: &Rate, is_difference: bool) -> Value {
+    match (rate.value, rate.sd, rate.interval) {
+        (Some(mean), Some(sd), None) if is_difference => format!("{mean:+.3} ± {sd:.3}").into(),
+        (Some(mean), Some(sd), None) => format!("{mean:.3} ± {sd:.3}").into(),
+        (value, _, interval) if is_difference => Value::Difference(value, interval),
+        (value, _, interval) => Value::Estimate(value, interval, 3),
+    }
 }
 
 type NameOf = fn(&OverviewRow<'_>) -> String;

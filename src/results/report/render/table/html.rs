@@ -108,7 +108,8 @@ fn value(value: &Value, player: PlayerOf<'_>) -> Markup {
                 (format!("{number:.digits$}")) " " small { (format!("{low:.digits$}..{high:.digits$}")) }
             },
             Value::Difference(Some(number), Some((low, high))) => {
-                (format!("{number:+.2}")) " " small { (format!("{low:+.2}..{high:+.2}")) }
+                @let digits = super::value::digits(high - low);
+                (format!("{number:+.digits$}")) " " small { (format!("{low:+.digits$}..{high:+.digits$}")) }
             },
             Value::Change(before, after) => span.change { (self::value(before, player)) " " span { "→ " (self::value(after, player)) } },
             Value::Lines(lines) => @for (place, line) in lines.iter().enumerate() {

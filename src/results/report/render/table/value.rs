@@ -80,6 +80,15 @@ impl Value {
     }
 }
 
+/// The digits after the point that show the ends of an interval of this width apart.
+pub(super) fn digits(width: f64) -> usize {
+    match width {
+        0.000_1..0.005 => 4,
+        0.005..0.05 => 3,
+        _ => 2,
+    }
+}
+
 /// A number to two digits, a large one in powers of ten.
 fn short(number: f64) -> String {
     if number.abs() < 1e5 { format!("{number:.2}") } else { format!("{number:.2e}") }
@@ -112,7 +121,10 @@ impl fmt::Display for Value {
                 write!(f, "{number:.digits$} ({low:.digits$}..{high:.digits$})")
             }
             Self::Difference(Some(number), None) => write!(f, "{number:+.2}"),
-            Self::Difference(Some(number), Some((low, high))) => write!(f, "{number:+.2} ({low:+.2}..{high:+.2})"),
+            Self::Difference(Some(number), Some((low, high))) => {
+                let digits = digits(high - low);
+                write!(f, "{number:+.digits$} ({low:+.digits$}..{high:+.digits$})")
+            }
             Self::Runs(values, digits, signed) => {
                 let value =
                     |value: &f64| if *signed { format!("{value:+.digits$}") } else { format!("{value:.digits$}") };
