@@ -46,7 +46,7 @@ const PREVENTABLE: Column<bool> = Column::new(
 /// The table of failures: collisions and bumps of evaluations and violations in them, then what searches found.
 pub fn failure_table() -> Table<'static, Failure> {
     let doc = "One row for each collision and each bump of an evaluation that counts, each violation of a requirement, and each failure that a search found, with the commands that lead to it. \
-               `episodes` or `searches` has the run of `run_id`.";
+               Its `run_id` and `number` are `run_id` and `episode` in `episodes`; the `run_id` of a search is in `searches`.";
     Table::new(FAILURES, doc)
         .column(RUN_ID.of(|row: &Failure| row.key.id.to_string()))
         .column(NUMBER.of(|row: &Failure| row.number))

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::jobs::work;
 use crate::record::CellKey;
-use compile::{ExternalProgram, Job, Training};
+use compile::{Evaluation, ExternalProgram, Job, Training};
 
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -106,6 +106,9 @@ pub struct RunRecord {
     pub vehicle: String,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub body: String,
+    /// The name of the rule of its starts; empty of other jobs.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub spawn: String,
 }
 
 /// A program of the user that drives or walks.
@@ -189,6 +192,7 @@ impl RunRecord {
             false => format!("{} {}", work.kind().verb, work.what()),
         };
         let CellKey { vehicle, adversary: body, .. } = job.of().map(CellKey::of).unwrap_or_default();
+        let spawn = job.of().map(|evaluation: &Evaluation| evaluation.scenario.spawn.name.clone());
         Some(Self {
             id: planned.origin().id.to_string(),
             what,
@@ -197,6 +201,7 @@ impl RunRecord {
             block: planned.origin().block,
             vehicle,
             body,
+            spawn: spawn.unwrap_or_default(),
         })
     }
 }

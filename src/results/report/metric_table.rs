@@ -232,7 +232,7 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
 fn columns<'a>() -> Table<'a, Row<'a>> {
     Table::new(
         METRICS,
-        "One row for each metric of each cell: a pedestrian, a town and a driver, over all runs. Rows of searches follow: a search, a town and a driver, \
+        "One row for each metric of each cell (a pedestrian, a town and a driver, over all runs) and `interval`: from four runs on a rate has two, `wilson` and `student`. Rows of searches follow: a search, a town and a driver, \
          over all runs, which have different seeds *and* starts.",
     )
     .columns(cell_key(|row: &Row<'a>| row.key))

@@ -7,7 +7,7 @@ use world::env::TestCriterion;
 
 /// How to read the tables.
 const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0: no collision. Along the path it is the speed \
-     of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h, `–` a case that was not run. A test is over when the car has \
+     of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h, with the speed that it drove (km/h), `–` a case that was not run. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), a cell without \
      points is not passed, and a row with a case that was not run has no score. Others pass without a collision, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
@@ -15,7 +15,7 @@ const READING: &str = "A cell is the impact speed (km/h) at the test speed of it
      share: \"0 of 20: at most 14 %\". Episodes that are equal to the bit are one.";
 /// Shown below the tables in a terminal.
 const LEGEND: [&str; 2] = [
-    "cells: impact speed (km/h), 0: no collision; !: the driver did not hold the test speed within 1 km/h; –: not run",
+    "cells: impact speed (km/h), 0: no collision; ! 43: it drove 43 km/h, which is not the test speed; –: not run",
     "passed: cells with points, or below the limit; a driver can pass a cell with a collision",
 ];
 /// Why colours, passes and verdicts differ.
@@ -342,7 +342,10 @@ fn shown(cell: &ProtocolCell) -> Value {
         return if cell.failed { "error" } else { "–" }.into();
     };
     let speed = if impact > 0.0 { format!("{:.1}", impact * 3.6) } else { "0".into() };
-    let mark = if cell.is_held() == Some(false) { " !" } else { "" };
+    let mark = match cell.driven_speed {
+        Some(driven) if cell.is_held() == Some(false) => format!(" ! {:.0}", driven * 3.6),
+        _ => String::new(),
+    };
     let word = cell.colour().map_or(if passes { "passes" } else { "fails" }, Colour::name);
     let tone = cell.colour().unwrap_or(if passes { Colour::Green } else { Colour::Red });
     Value::Toned(format!("{speed} {word}{mark}"), tone.name())
