@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_530),
+    ("src/base", 3_537),
     ("src/learn", 5_524),
-    ("src/world", 38_164),
+    ("src/world", 38_215),
     ("src/ported", 4_642),
-    ("src/lang", 6_523),
-    ("src/compile", 8_329),
+    ("src/lang", 6_542),
+    ("src/compile", 8_335),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_454),
-    ("src/program", 12_879),
-    ("tests", 29_247),
+    ("src/results", 26_552),
+    ("src/program", 12_894),
+    ("tests", 29_294),
 ];
 
 /// Crates that only some places may name.

@@ -133,7 +133,7 @@ campaign told {
         let episode = format!("episode short {{ ticks: 200  hold: {hold} }}\ncampaign");
         let evaluated = evaluated.trim_end().trim_end_matches('}').replace("episode: thirty_seconds", "episode: short");
         std::fs::write(here.join("walked.scn"), evaluated.replace("campaign", &episode) + block).unwrap();
-        said(&falsify(&["check", "walked.scn"], here))
+        error(&falsify(&["check", "walked.scn"], here))
     };
     assert!(!checked(20, "2.5 m/s").contains("trained otherwise"), "{}", checked(20, "2.5 m/s"));
     let other = checked(10, "1.5 m/s");
