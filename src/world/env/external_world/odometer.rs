@@ -106,7 +106,7 @@ impl Odometer {
         let (told, held) = (next.speed - before.speed, HELD * dt);
         let range = if control.brake > 0.0 { [told, told.max(-held)] } else { [told / ENGINE, told * ENGINE] };
         // Another car may be in gear sooner than ours.
-        let in_gear = before.age >= car.start_up_pause;
+        let in_gear = before.age >= car.start_up_pause || before.speed > 0.0;
         if in_gear && self.speeds.differs(after.speed - before.speed, range, OFF[0], dt) {
             let [told, done] = [self.speeds.told, self.speeds.done].map(|speed| (speed * 10.0).round() as i32);
             self.disobeyed = Some(Fault::Pedals { told, done });
