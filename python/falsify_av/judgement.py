@@ -33,6 +33,7 @@ def judge(
     length: float | None = None,
     width: float | None = None,
     radius: float | None = None,
+    full_brake: float | None = None,
     boxes: ArrayLike | None = None,
     scenario: Files | None = None,
     campaign: str | None = None,
@@ -51,6 +52,7 @@ def judge(
         dt: Time between two instants (s), 0.001 to 0.5. The program's own episodes have 0.05 s.
         length, width: Size of the car (m).
         radius: Radius of the pedestrian (m).
+        full_brake: Deceleration of the car at full brake (m/s²). Careful humans brake with it, at most with 7.59.
         boxes: Obstacles that hide the pedestrian and stop it: rows of x, y, heading, length, width (m, rad).
         scenario, campaign, options: A scenario, chosen as by :func:`falsify_av.make`. It gives the sizes and the obstacles that no other argument gives.
             The requirements of its campaign are evaluated, too.
@@ -72,5 +74,5 @@ def judge(
     if boxes is None and scenario is None:
         boxes = np.zeros((0, 5))
     obstacles = None if boxes is None else np.zeros((0, 5)) if np.size(boxes) == 0 else _rows("boxes", boxes)
-    sizes = [None if size is None else float(size) for size in (length, width, radius)]
+    sizes = [None if size is None else float(size) for size in (length, width, radius, full_brake)]
     return chosen.judged(_rows("ego", ego), _rows("pedestrian", pedestrian), float(dt), sizes, obstacles)

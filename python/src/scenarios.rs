@@ -246,11 +246,11 @@ impl Choice {
         ego: PyReadonlyArray2<'_, f64>,
         pedestrian: PyReadonlyArray2<'_, f64>,
         dt: f64,
-        sizes: [Option<f64>; 3],
+        sizes: [Option<f64>; 4],
         boxes: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let [length, width, radius] = sizes;
-        let sizes = Sizes { length, width, radius };
+        let [length, width, radius, full_brake] = sizes;
+        let sizes = Sizes { length, width, radius, full_brake };
         judged(py, &self.scenario, &ego, &pedestrian, dt, sizes, boxes.as_ref())
     }
 }
