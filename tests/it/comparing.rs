@@ -259,3 +259,17 @@ fn seeds_are_pooled_and_stop_at_the_first_report_in_the_way() {
     assert_eq!(output.status.code(), Some(2), "seed 4 has a report of another scenario");
     assert!(!folder.path().join("reports/c-seed-6").exists());
 }
+
+#[test]
+fn fixed_cases_are_one_run_at_all_seeds() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
+                campaign cases {\n  vehicle: model3  body: adult_target  spawn: cpfa  episode: protocol_test\n\
+                evaluate { towns: [test_track]  drivers: [blind]  pedestrians: [scripted, random]  episodes: 6 }\n}\n";
+    std::fs::write(folder.path().join("c.scn"), text).unwrap();
+    let output = falsify(&["run", "c.scn", "--seeds", "1..4"], folder.path());
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8(output.stdout).unwrap();
+    let shown = said.lines().find(|line| line.contains("blind") && line.contains("scripted")).unwrap();
+    assert!(!shown.contains(['±', '(']), "no spread: {shown}");
+}

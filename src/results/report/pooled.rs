@@ -90,7 +90,16 @@ impl<'a> Pooled<'a> {
 
     /// A figure over the seeds, with Student's interval from four on.
     pub fn figure(&self, figure: &FigureOf) -> Rate {
-        Rate::student(self.rows.iter().map(|row| of_row(row, figure)), 1.0)
+        Rate::student(self.runs().iter().map(|row| of_row(row, figure)), 1.0)
+    }
+
+    /// The rows that are runs of their own: fixed cases that end alike at every seed are one.
+    pub fn runs(&self) -> &[&'a OverviewRow<'a>] {
+        let figures = |row: &OverviewRow<'_>| FIGURES.each_ref().map(|figure| of_row(row, figure));
+        let is_fixed = |row: &OverviewRow<'_>| matches!(row.found, Found::Evaluated(cell) if cell.is_of_cases);
+        let first = self.rows[0];
+        let are_one = self.rows.iter().all(|row| is_fixed(row) && figures(row) == figures(first));
+        if are_one { &self.rows[..1] } else { &self.rows }
     }
 
     /// The difference to another controller or falsifier there, seed by seed.
@@ -98,7 +107,8 @@ impl<'a> Pooled<'a> {
         let same = |row: &&OverviewRow<'_>| {
             beside.rows.iter().find(|other| other.values[self.seed] == row.values[self.seed]).copied()
         };
-        let pairs = self.rows.iter().filter_map(|row| Some([*row, same(row)?]));
+        let runs = if beside.runs().len() < beside.rows.len() { self.runs() } else { &self.rows[..] };
+        let pairs = runs.iter().filter_map(|row| Some([*row, same(row)?]));
         let difference = |[own, other]: [&OverviewRow<'_>; 2]| Some(of_row(own, figure)? - of_row(other, figure)?);
         let differences: Vec<f64> = pairs.filter_map(difference).collect();
         let interval = base::statistics::mean_interval(&differences).1;

@@ -110,7 +110,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
         title: "Over the seeds".into(),
         head: head(figures.collect()),
         rows: all.iter().map(row).collect(),
-        notes: vec!["The mean over the seeds with Student's 95 % interval from four seeds on, else ± their standard deviation. A search's fault is the share of starts with one.".into()],
+        notes: vec!["The mean over the seeds with Student's 95 % interval from four seeds on, else ± their standard deviation. Fixed cases that end alike at every seed are one run, without a spread. A search's fault is the share of starts with one.".into()],
         ..Table::default()
     }];
     let p = |p: Option<f64>| match p {
