@@ -4,12 +4,14 @@ use super::replayed::played_failure;
 use crate::failure::Failure;
 use crate::parallel;
 use base::seed::Seed;
-use world::cause::{Cause, MAX_RUNS, Questions, RunLimit, Shrunk, explain, shrink};
+use world::cause::{Cause, Incident, MAX_RUNS, Questions, RunLimit, Shrunk, explain, shrink};
 
 /// Maximum number of failures of a page that are shrunk, the first of its list.
 pub const MAX_SHRUNK: usize = 24;
 /// Maximum number of failures of a page whose cause is found.
 const MAX_EXPLAINED: usize = 8;
+/// Maximum number of simulator ticks in which a failure of a page is shrunk, and as many in which its cause is found.
+const MAX_TICKS: u64 = 1_200_000;
 /// Of how many failures of programs the cause is asked, the first of different kinds, and the maximum number of runs of each.
 pub const OF_PROGRAM: (usize, u32) = (3, 200);
 
@@ -61,7 +63,8 @@ pub fn distinct_failures(
     let shrunk = parallel::map(failures, |failure| {
         let (.., repeated) =
             (!is_of_program(found, failure)).then(|| played_failure(&failure.name(), found, seed))??;
-        shrink(&repeated.incident()?, MAX_RUNS)
+        let incident = repeated.incident()?;
+        shrink(&incident, runs_of(&incident))
     });
     let class = |failure: &Failure, shrunk: &Shrunk| (failure.key.cell.policy.clone(), shrunk.class());
     let classed = failures.iter().zip(shrunk).map(|(failure, shrunk)| {
@@ -83,7 +86,10 @@ pub fn distinct_failures(
     let each: Vec<_> = firsts.into_iter().zip(asked).collect();
     let causes = parallel::map(&each, |(((failure, shrunk), _), is_asked)| match shrunk {
         _ if !is_asked => None,
-        Some(shrunk) => explain(&shrunk.incident, Questions::OfCopied, RunLimit::default()),
+        Some(Shrunk { incident, .. }) => {
+            let limit = RunLimit { max_runs: runs_of(incident), ..RunLimit::default() };
+            explain(incident, Questions::OfCopied, limit)
+        }
         None => {
             let (.., repeated) = played_failure(&failure.name(), found, seed)?;
             let limit = RunLimit { max_runs: OF_PROGRAM.1, ..RunLimit::default() };
@@ -102,6 +108,14 @@ pub fn distinct_failures(
         }
     };
     each.into_iter().zip(causes).map(distinct).collect()
+}
+
+/// The number of runs of a failure for a page: [`MAX_RUNS`], and fewer of a very long episode.
+fn runs_of(incident: &Incident) -> u32 {
+    let (scenario, commands) = (&incident.scenario, incident.commands.len() as u64);
+    let decisions = commands / scenario.cast.pedestrians.len() as u64;
+    let ticks = (decisions * u64::from(scenario.episode.hold)).max(1);
+    (MAX_TICKS / ticks).clamp(1, MAX_RUNS.into()) as u32
 }
 
 /// Whether the driver of a failure is a program of the user, or it happened in another simulator: runs of these are dear.
