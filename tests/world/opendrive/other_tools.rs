@@ -413,6 +413,17 @@ fn leaps_overlaps_and_gaps_of_geometries_are_named() {
         ]
     );
     assert!(turned("90")[0].starts_with("the heading is 90 rad, more than two full turns: is it in degrees?"));
+    let arc = |curvature: &str| {
+        let arc = format!(r#"length="10"><arc curvature="{curvature}"/>"#);
+        warnings(&drawn(&[(0.0, 0.0, 290.0), (290.0, 290.0, 10.0)]).replace(r#"length="10"><line/>"#, &arc))
+    };
+    assert_eq!(arc("0.5"), [""; 0], "a radius of 2 m is more than half a lane");
+    assert_eq!(
+        arc("1"),
+        [
+            "the bend at 290 m has a radius of 1 m, and the centre of lane 1 is 1.75 m inside it: cars drive backwards there"
+        ]
+    );
     let gap = drawn(&[(0.0, 0.0, 100.0), (200.0, 200.0, 100.0)]);
     assert_eq!(warnings(&gap), ["no geometry between 100 m and 200 m; there are no lanes there"]);
     // A car starts on one of the two parts that are drawn, and the first one ends at the gap.

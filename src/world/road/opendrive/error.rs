@@ -1,3 +1,5 @@
+use crate::road::LaneId;
+
 /// Why a file cannot be used as a town at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -100,6 +102,10 @@ pub enum OpenDriveProblem {
         "the reference line turns by {degrees}° at {at} m, where a geometry should begin in the direction in which the one before ends; drawn as given"
     )]
     Kink { degrees: u32, at: String },
+    #[error(
+        "the bend at {at} m has a radius of {radius} m, and the centre of lane {lane} is {inside} m inside it: cars drive backwards there"
+    )]
+    TightBend { at: String, radius: String, lane: LaneId, inside: String },
     #[error("the heading is {heading} rad, more than two full turns: is it in degrees? Drawn as given")]
     ManyTurns { heading: String },
     #[error("`{element}` is at {s} m, and its road is {length} m long; it counts at the nearer end")]

@@ -6,13 +6,18 @@ use super::attributes::{Context, child, children};
 use super::budget::MAX_LENGTH;
 use super::{OpenDriveProblem, lanes, limits, plan_view};
 use crate::geometry::wrap_angle;
-use crate::road::{Cubic, Geometry, JunctionIndex, LaneSection, PlanView, Profile, Road, RoadEnd, RoadIndex, RoadLink};
+use crate::road::{
+    Cubic, Geometry, JunctionIndex, Lane, LaneKind, LaneSection, PlanView, Profile, Road, RoadEnd, RoadIndex, RoadLink,
+};
 
 /// Lengths and places may differ by this much, as they are rounded (m).
 pub(super) const ROUNDED: f64 = 0.1;
 
 /// A reference line that turns by more (rad) between two geometries has a kink: polylines of bends turn by less.
 const KINK: f64 = 0.5;
+
+/// Over this distance to both sides a bend is measured (m).
+const NEAR: f64 = 0.05;
 
 /// The roads of a file, with the elements they come from.
 pub(super) struct Roads<'a, 'x> {
@@ -110,7 +115,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         context.warn(node, OpenDriveProblem::NoLaneSection);
         return None;
     }
-    Some(Road {
+    let road = Road {
         id: 0,
         name: node.attribute("name").unwrap_or_default().to_owned(),
         length,
@@ -121,6 +126,28 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         sections,
         predecessor: None,
         successor: None,
+    };
+    if let Some(bend) = tight_bend(&road) {
+        context.warn(node, bend);
+    }
+    Some(road)
+}
+
+/// The first bend whose centre is nearer to the reference line than the centre of a lane for cars is; that lane turns back there.
+fn tight_bend(road: &Road) -> Option<OpenDriveProblem> {
+    let places = road.plan_view.pieces().iter().flat_map(|piece| [0.0, 0.5, 1.0].map(|part| (piece, part)));
+    places.into_iter().find_map(|(piece, part)| {
+        let along = part * piece.length;
+        let (from, to) = ((along - NEAR).max(0.0), (along + NEAR).min(piece.length));
+        let curvature = wrap_angle(piece.pose(to).yaw - piece.pose(from).yaw) / (to - from);
+        let s = piece.s + along;
+        road.sections_at(s).find_map(|section| {
+            let driving = road.sections[section].lanes.iter().filter(|lane| lane.kind == LaneKind::Driving);
+            let inside = |lane: &Lane| Some((lane.id, road.lane_centre(section, lane.id, s)?.0));
+            let (lane, beside) = driving.filter_map(inside).find(|(_, beside)| curvature * beside > 1.0)?;
+            let (at, radius, inside) = (metres(s), metres(1.0 / curvature.abs()), metres(beside.abs()));
+            Some(OpenDriveProblem::TightBend { at, radius, lane, inside })
+        })
     })
 }
 
