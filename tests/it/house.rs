@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_537),
     ("src/learn", 5_524),
-    ("src/world", 38_215),
+    ("src/world", 38_248),
     ("src/ported", 4_642),
     ("src/lang", 6_542),
     ("src/compile", 8_335),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_552),
+    ("src/results", 26_576),
     ("src/program", 12_894),
-    ("tests", 29_294),
+    ("tests", 29_319),
 ];
 
 /// Crates that only some places may name.
