@@ -12,4 +12,3 @@ pub mod driving;
 pub mod likelihood;
 pub mod hardening;
 pub mod cause;
-pub mod classification_tree;
