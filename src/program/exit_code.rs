@@ -29,6 +29,11 @@ pub enum ExitCode {
 }
 
 impl ExitCode {
+    /// That of a gate.
+    pub fn of_gate(passes: bool) -> Self {
+        if passes { Self::Done } else { Self::GateFailed }
+    }
+
     /// Of two exit codes the first that is not success.
     pub fn or(self, next: Self) -> Self {
         if self == Self::Done { next } else { self }

@@ -255,11 +255,24 @@ impl Failure {
         }
     }
 
-    /// The worse failure first: by class, then the faster car. Equal ones are in the order of their names.
+    /// The worse failure first: see [`Self::counts_more`]. Equal ones are in the order of their names.
     pub fn worse_first(&self, other: &Self) -> Ordering {
-        FailureOrder::Severity
-            .compare(self, other)
-            .then_with(|| (self.key.id, self.number).cmp(&(other.key.id, other.number)))
+        self.counts_more(other).then_with(|| (self.key.id, self.number).cmp(&(other.key.id, other.number)))
+    }
+
+    /// Which of two failures counts more against the driver: by class, fault ones first, then the verdicts from `preventable` to `bump`; in each the
+    /// highest speed at the touch first.
+    pub fn counts_more(&self, other: &Self) -> Ordering {
+        let rank = |failure: &Self| failure.violation.as_ref().map_or(0, |found| found.priority);
+        let degree = |failure: &Self| failure.violation.as_ref().map_or(0.0, |found| found.robustness);
+        let blame = |failure: &Self| match &failure.violation {
+            Some(found) => (!failure.fault, found.preventable != Some(true)),
+            None => (false, false),
+        };
+        let order = self.class().cmp(&other.class()).then_with(|| blame(self).cmp(&blame(other)));
+        let order = order.then_with(|| rank(self).cmp(&rank(other)));
+        let order = order.then_with(|| degree(self).total_cmp(&degree(other)));
+        order.then_with(|| other.impact_speed.total_cmp(&self.impact_speed))
     }
 
     /// How much it counts against the driver.
@@ -267,48 +280,6 @@ impl Failure {
         match self.violation {
             Some(_) => FailureClass::Violation,
             None => FailureClass::new(self.verdict, self.fault),
-        }
-    }
-}
-
-/// The order of a list of failures. Equal ones stay in the order of the report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum FailureOrder {
-    /// By class: fault ones first, then the verdicts from `preventable` to `bump`; in each the highest speed at the
-    /// touch first.
-    #[default]
-    Severity,
-    /// The highest speed at the touch first.
-    Speed,
-    /// The shortest time to the touch first.
-    Time,
-    /// As in the report.
-    Report,
-}
-
-impl FailureOrder {
-    /// Which of two failures precedes the other.
-    pub fn compare(self, a: &Failure, b: &Failure) -> Ordering {
-        let faster = || b.impact_speed.total_cmp(&a.impact_speed);
-        match self {
-            Self::Severity => {
-                let rank = |failure: &Failure| failure.violation.as_ref().map_or(0, |found| found.priority);
-                let degree = |failure: &Failure| failure.violation.as_ref().map_or(0.0, |found| found.robustness);
-                let worse = || degree(a).total_cmp(&degree(b));
-                let blame = |failure: &Failure| match &failure.violation {
-                    Some(found) => (!failure.fault, found.preventable != Some(true)),
-                    None => (false, false),
-                };
-                a.class()
-                    .cmp(&b.class())
-                    .then_with(|| blame(a).cmp(&blame(b)))
-                    .then_with(|| rank(a).cmp(&rank(b)))
-                    .then_with(worse)
-                    .then_with(faster)
-            }
-            Self::Speed => faster(),
-            Self::Time => a.length.total_cmp(&b.length),
-            Self::Report => Ordering::Equal,
         }
     }
 }
@@ -400,10 +371,8 @@ pub(crate) mod tests {
             failure(Some(Label::Preventable), true, 3.0),
         ];
         let speeds = |all: &[Failure]| all.iter().map(|each| each.impact_speed).collect::<Vec<_>>();
-        all.sort_by(|a, b| FailureOrder::Severity.compare(a, b));
+        all.sort_by(Failure::counts_more);
         assert_eq!(speeds(&all), [3.0, 2.0, 7.0, 8.0, 0.0, 9.0]);
-        all.sort_by(|a, b| FailureOrder::Time.compare(a, b));
-        assert_eq!(speeds(&all), [9.0, 8.0, 7.0, 3.0, 2.0, 0.0]);
     }
 
     #[test]

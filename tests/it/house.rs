@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_537),
     ("src/learn", 5_524),
-    ("src/world", 38_248),
+    ("src/world", 38_146),
     ("src/ported", 4_642),
     ("src/lang", 6_542),
     ("src/compile", 8_335),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_576),
-    ("src/program", 12_894),
-    ("tests", 29_319),
+    ("src/results", 26_563),
+    ("src/program", 12_925),
+    ("tests", 29_390),
 ];
 
 /// Crates that only some places may name.
@@ -39,7 +39,6 @@ const DOORS: &[(&str, &[&str])] = &[
     ("polars_parquet_format", &["results/record"]),
     ("maud", &["results/report", "results/jobs"]),
     ("comfy_table", &["results/report"]),
-    ("smartcore", &["world/classification_tree"]),
     ("toml", &["results/report", "program/cli", "program/commands"]),
     ("lsp_server", &["program/lsp"]),
     ("lsp_types", &["program/lsp"]),

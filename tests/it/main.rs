@@ -21,6 +21,7 @@ mod beside_files;
 mod book;
 mod caches;
 mod casts;
+mod causes;
 mod command_line;
 mod comparing;
 mod controllers;

@@ -291,6 +291,8 @@ fn a_broken_gate_is_said_in_the_exit_code_and_in_junit() {
     let run = [&["run", "--junit", "out/results.xml"], &gates[..], &["again.scn"]].concat();
     let run = falsify(&run, here);
     assert_eq!(run.status.code(), Some(7), "{run:?}");
+    let (gate, why) = (said(&run).find("--fail-if collision_rate >= 0.5"), said(&run).find(": The driver "));
+    assert!(gate.is_some() && why > gate, "{run:?}");
     let page = std::fs::read_to_string(here.join("out/results.xml")).unwrap();
     let page = roxmltree::Document::parse(&page).unwrap();
     let suites = page.root_element();

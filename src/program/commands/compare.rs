@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
+use super::causes;
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
 use crate::cli::console;
@@ -12,19 +13,13 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, Error};
 use results::record::TableReference;
 use results::report::{
-    self, Caveat, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, SideEnd,
-    StoredReport,
+    self, Caveat, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, StoredReport,
 };
-use world::cause::{Questions, RunLimit};
 
 /// Maximum number of failures in each list for people.
 pub const MAX_SHOWN: usize = 10;
 /// Maximum number of changes that a page plays.
 const MAX_PLAYED: usize = 12;
-/// Maximum number of new failures whose cause a gate says.
-pub const MAX_EXPLAINED: usize = 3;
-/// Maximum number of runs for the cause of a failure of a program.
-pub const OF_PROGRAM: u32 = 200;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -106,45 +101,25 @@ pub fn compare(options: &CompareArgs) -> Ended {
     if let Some(path) = &options.page {
         write_page(&comparison, path, &options.repeat)?;
     }
-    let code = judge(&conditions, &comparison)?;
-    if code == ExitCode::GateFailed {
-        tell_causes(&comparison, &options.repeat);
-    }
-    Ok(code)
+    let failed = judge(&conditions, &comparison)?;
+    tell_causes(&failed, &comparison, &options.repeat);
+    Ok(ExitCode::of_gate(failed.is_empty()))
 }
 
-/// Says why the worst failures happened that are new or have become faults, or which command asks. A program is asked only if it may start.
-pub fn tell_causes(comparison: &ReportComparison, options: &RepeatArgs) {
+/// Says why the worst failures happened that are new or have become faults in rows that failed a gate.
+pub fn tell_causes(failed: &[String], comparison: &ReportComparison, options: &RepeatArgs) {
     let searched = comparison.searches.iter().flat_map(|search| &search.changes);
-    let all: Vec<FailureChange> = comparison.changes.iter().chain(searched).cloned().collect();
+    let all = comparison.changes.iter().chain(searched).filter(|change| failed.contains(&change.place));
+    let all: Vec<FailureChange> = all.cloned().collect();
     let new = ["new", "worse"].into_iter().flat_map(|word| FailureChange::of_word(&all, word));
-    let new: Vec<&FailureChange> = new.take(MAX_EXPLAINED).collect();
-    if new.is_empty() {
-        return;
-    }
-    let folder = &comparison.folders[1];
-    let report = StoredReport::open(folder).map_err(Error::from);
-    let needed = report.as_ref().map_or("", |report| report.manifest().call.replay_options());
-    let source = report.and_then(|report| session(options.allow_external).reopen(report, &options.repeat));
-    let cause = |name: &String| {
-        let repeated = source.as_ref().ok()?.repeat(EpisodeName::of_table(name.clone()).ok()?).ok()?;
-        let of_copied = repeated.cause(Questions::OfCopied, RunLimit::default());
-        of_copied
-            .or_else(|| repeated.cause(Questions::Weakness, RunLimit { max_runs: OF_PROGRAM, ..RunLimit::default() }))
-    };
-    for FailureChange { sides: [_, SideEnd { name, .. }], .. } in new {
-        let path = folder.join(name);
-        console::note(&match cause(name) {
-            Some(cause) => format!("{}: {}", path.display(), cause.sentence()),
-            None => {
-                format!("{}: not asked why; `falsify replay --why {needed}{}` asks", path.display(), path.display())
-            }
-        });
-    }
+    causes::tell(&comparison.folders[1], new.map(|change| change.sides[1].name.clone()).collect(), options);
 }
 
-/// Judges a comparison and reports which conditions are true.
-pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
+/// Judges a comparison, reports which conditions are true, and returns the titles of the rows of which one is.
+///
+/// # Errors
+/// The exit code, after the reason has been printed.
+pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Result<Vec<String>, ExitCode> {
     let is_alone = |caveat: &&Caveat| matches!(caveat, Caveat::LoneDrivers { .. });
     for caveat in comparison.caveats.iter().filter(is_alone).filter(|_| !conditions.is_empty()) {
         console::warn(&format!("--fail-if: {caveat}"));

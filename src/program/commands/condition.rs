@@ -2,7 +2,7 @@
 
 use crate::cli::console;
 use crate::cli::failure::misused;
-use crate::exit_code::{Ended, ExitCode};
+use crate::exit_code::ExitCode;
 use results::record::TableReference;
 use results::report::{Gate, GateError, Judged};
 
@@ -55,9 +55,16 @@ impl Condition {
     }
 }
 
-/// Judges the two tables of a `whole` and reports which conditions are true.
-pub fn judge(conditions: &[Condition], [first, second]: [Subject<'_>; 2], whole: &str) -> Ended {
-    let mut code = ExitCode::Done;
+/// Judges the two tables of a `whole`, reports which conditions are true, and returns the titles of the rows of which one is.
+///
+/// # Errors
+/// The exit code, after the reason has been printed: a condition speaks of no row.
+pub fn judge(
+    conditions: &[Condition],
+    [first, second]: [Subject<'_>; 2],
+    whole: &str,
+) -> Result<Vec<String>, ExitCode> {
+    let mut failed = Vec::new();
     for Condition { gate, second: is_second } in conditions {
         let subject = if *is_second { &second } else { &first };
         if subject.is_idle {
@@ -72,15 +79,15 @@ pub fn judge(conditions: &[Condition], [first, second]: [Subject<'_>; 2], whole:
                 subject.things
             )));
         }
-        if tell(gate, &judged, &subject.titles) {
-            code = ExitCode::GateFailed;
-        }
+        tell(gate, &judged, &subject.titles);
+        let rows = subject.titles.iter().zip(&judged).filter(|(_, judged)| judged.fails());
+        failed.extend(rows.map(|(title, _)| title.clone()));
     }
-    Ok(code)
+    Ok(failed)
 }
 
-/// Reports the rows of which a gate is true, or which it cannot judge, or that it passes; returns whether it fails.
-pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
+/// Reports the rows of which a gate is true, or which it cannot judge, or that it passes.
+pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) {
     for (title, judged) in titles.iter().zip(judged) {
         if let Some(reason) = judged.reason(&format!(" in {title}")) {
             let tell = if judged.fails() { console::fail } else { console::warn };
@@ -100,5 +107,4 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
             console::count(passed, "row")
         )),
     }
-    fails
 }

@@ -4,7 +4,6 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::episode::{Named, RepeatArgs, resolved};
-use super::shrink;
 use crate::cli::choice::choice;
 use crate::cli::console;
 use crate::cli::failure::{failed, misused};
@@ -13,7 +12,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodePath, Error, Repeated, Session, Source};
 use export::{EXPORTERS, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
 use results::report;
-use world::cause::{Questions, RunLimit};
+use world::cause::{MAX_RUNS, Questions, RunLimit};
 use world::env::{Scenario, Trace};
 use world::judge::Verdict;
 
@@ -210,7 +209,7 @@ fn repeated(
     };
     let repeated = open.insert(source).repeat(*name)?;
     if options.shrunk {
-        let shrunk = repeated.shrink(shrink::MAX_RUNS)?;
+        let shrunk = repeated.shrink(MAX_RUNS)?;
         return Ok(repeated.replaced_by(shrunk));
     }
     if repeated.differences.is_empty() || options.repeat.repeat.anyway {

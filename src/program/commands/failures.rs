@@ -5,17 +5,15 @@ use clap::{Args, ValueEnum};
 
 use super::episode::RepeatArgs;
 use super::run::quoted;
-use super::shrink::MAX_RUNS;
-use crate::cli::choice::choice;
 use crate::cli::console;
 use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Causes, EpisodeName, Error, Notice, Session};
-use results::failure::{Failure, FailureOrder};
+use results::failure::Failure;
 use results::report::{self, ListedFailure, StoredReport};
 use world::av::Weakness;
-use world::cause::{Shrunk, around};
+use world::cause::{MAX_RUNS, Shrunk, around};
 use world::judge::Label;
 
 /// Number of failures that a table shows by default.
@@ -63,17 +61,6 @@ pub struct FailuresArgs {
     /// Only violations of these requirements of the campaign.
     #[arg(long, value_delimiter = ',', value_name = "NAME")]
     pub requirement: Vec<String>,
-    /// Only failures in which the car was at least this fast at the collision (m/s).
-    #[arg(long, default_value_t = 0.0, value_name = "SPEED")]
-    pub min_speed: f64,
-    /// The order.
-    #[arg(long, default_value = "severity", value_name = "ORDER", value_parser = choice([
-        ("severity", FailureOrder::Severity, "Fault first, then by verdict; in each the fastest first"),
-        ("speed", FailureOrder::Speed, "The fastest first"),
-        ("time", FailureOrder::Time, "The shortest time to the collision first"),
-        ("report", FailureOrder::Report, "As in the report"),
-    ]))]
-    pub sort: FailureOrder,
     /// The number of failures; a table has 20 without it, other forms have all.
     #[arg(long, value_name = "N")]
     pub top: Option<usize>,
@@ -119,8 +106,6 @@ impl Default for FailuresArgs {
             found_by: Vec::new(),
             kind: Vec::new(),
             requirement: Vec::new(),
-            min_speed: 0.0,
-            sort: FailureOrder::Severity,
             top: None,
             distinct: false,
             why: false,
@@ -167,7 +152,6 @@ impl FailuresArgs {
             && among(&self.driver, &failure.key.cell.policy)
             && among(&self.found_by, &failure.key.cell.controller)
             && self.kind.iter().all(has)
-            && failure.impact_speed >= self.min_speed
             && violated
     }
 }
@@ -259,7 +243,7 @@ impl Session {
         if found.is_empty() {
             known.check(options)?;
         }
-        found.sort_by(|a, b| options.sort.compare(&a.failure, &b.failure));
+        found.sort_by(|a, b| a.failure.counts_more(&b.failure));
         if options.distinct { self.merged(found, options) } else { Ok(found) }
     }
 

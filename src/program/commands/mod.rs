@@ -1,5 +1,6 @@
 //! The commands of the program: one file each, with its arguments, its help and its work.
 
+mod causes;
 mod condition;
 mod episode;
 mod starts;

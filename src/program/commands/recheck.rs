@@ -2,12 +2,14 @@ mod driver_pairs;
 mod encounters;
 mod meeting;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, value_parser};
 use serde_json::json;
 
+use super::causes::MAX_TOLD;
 use super::compare::{Form, changes};
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
@@ -18,7 +20,8 @@ use crate::cli::progress::Showing;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::seconds;
 use driver_pairs::DriverPair;
-use results::report::{self, CrossedStarts, FailureChange, Recheck, RecheckNote, RecheckedFailures};
+use results::report::{self, CrossedStarts, Encounter, FailureChange, Recheck, RecheckNote, RecheckedFailures};
+use world::cause::explain_any;
 
 /// Maximum number of encounters in each list for people.
 const MAX_SHOWN: usize = 10;
@@ -144,19 +147,46 @@ fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
         things: "fixed list",
         is_idle: false,
     };
-    let code = condition::judge(conditions, [failures, crossings], "recheck")?;
-    if code == ExitCode::GateFailed {
-        recheck.causes.iter().for_each(|cause| console::note(cause));
-    }
+    let failed = condition::judge(conditions, [failures, crossings], "recheck")?;
+    tell_causes(&failed, recheck);
     let unsure = recheck.notes.iter().find(|note| matches!(note, RecheckNote::OtherNow { .. }));
-    match unsure.filter(|_| code == ExitCode::Done && !conditions.is_empty()) {
+    match unsure.filter(|_| failed.is_empty() && !conditions.is_empty()) {
         Some(note) => {
             console::fail(&format!(
                 "--fail-if: nothing can be judged, since the old driver is not the one of the report: {note}"
             ));
             Ok(ExitCode::GateFailed)
         }
-        None => Ok(code),
+        None => Ok(ExitCode::of_gate(failed.is_empty())),
+    }
+}
+
+/// Says why the new drivers have their worst faults in the rows that failed a gate: those that the old ones do not have first.
+fn tell_causes(failed: &[String], recheck: &Recheck) {
+    let met = recheck.failures.iter().map(|row| (row.title(), &row.encounters));
+    let crossed = recheck.crossings.iter().map(|row| (row.title(), &row.encounters));
+    let rows = met.chain(crossed).filter(|(title, _)| failed.contains(title));
+    let mut faults: Vec<(String, &Encounter)> = rows
+        .flat_map(|(title, encounters)| {
+            encounters.valid().filter(|each| each.after.fault).map(move |each| (each.in_row(&title), each))
+        })
+        .collect();
+    let speed = |encounter: &Encounter| encounter.after.impact_speed.unwrap_or(0.0);
+    let was_fault = |encounter: &Encounter| encounter.fault_before() == Some(true);
+    faults.sort_by(|(_, one), (_, other)| {
+        was_fault(one).cmp(&was_fault(other)).then(speed(other).total_cmp(&speed(one)))
+    });
+    // A failure is met by its pedestrian and by its commands.
+    let mut names = BTreeSet::new();
+    faults.retain(|(name, _)| names.insert(name.clone()));
+    for (name, encounter) in faults.into_iter().take(MAX_TOLD) {
+        let why = match &encounter.incident {
+            None => "not asked why, since it happened in another simulator.".into(),
+            Some(incident) => {
+                explain_any(incident).map_or_else(|| "the failure does not repeat.".into(), |cause| cause.sentence())
+            }
+        };
+        console::note(&format!("{name}: {why}"));
     }
 }
 

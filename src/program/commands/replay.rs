@@ -6,7 +6,6 @@ use clap::Args;
 use serde_json::json;
 
 use super::episode::{Named, RepeatArgs, resolved};
-use super::shrink;
 use crate::cli::console;
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::session;
@@ -17,7 +16,7 @@ use crate::session::{
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
-use world::cause::{Cause, Need, Questions, RunLimit, TurnedBy, needed};
+use world::cause::{Cause, MAX_RUNS, Need, Questions, RunLimit, TurnedBy, needed};
 use world::judge::JudgedDegree;
 use world::sim::time_of;
 
@@ -67,7 +66,7 @@ pub struct ReplayArgs {
     #[arg(long, conflicts_with = "all", display_order = 19)]
     pub why: bool,
     /// Maximum number of episodes for --why, and for --shrunk.
-    #[arg(long, default_value_t = shrink::MAX_RUNS, conflicts_with = "all", value_name = "N", display_order = 20)]
+    #[arg(long, default_value_t = MAX_RUNS, conflicts_with = "all", value_name = "N", display_order = 20)]
     pub max_runs: u32,
     /// Repeat the failure with the fewest commands, as `falsify shrink` finds it.
     #[arg(long, conflicts_with = "all", display_order = 18)]
@@ -296,6 +295,7 @@ fn cause_json(cause: &Cause) -> serde_json::Value {
         "sentence": cause.sentence(),
         "weakness": cause.weakness.name(),
         "amount": cause.amount,
+        "side": cause.side,
         "enough": cause.enough.iter().map(|weakness| weakness.name()).collect::<Vec<_>>(),
         "full_braking_helps_s": cause.last[0],
         "comfortable_braking_helps_s": cause.last[1],
@@ -306,7 +306,6 @@ fn cause_json(cause: &Cause) -> serde_json::Value {
         "setting": turned(&cause.setting),
         "world": turned(&cause.world),
         "without": cause.without,
-        "together": cause.together,
         "perfected": cause.faculties.iter().map(|(what, turns)| json!({ "what": what, "turns": turns })).collect::<Vec<_>>(),
         "tried": cause.tried.iter().map(|(what, turns)| json!({ "change": what, "turns": turns })).collect::<Vec<_>>(),
         "runs": cause.runs,

@@ -12,10 +12,8 @@ use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, Source};
 use results::parallel;
-use world::cause::{Limit, Plan, Shrunk};
+use world::cause::{Limit, MAX_RUNS, Plan, Shrunk};
 
-/// Maximum number of runs for a failure by default.
-pub const MAX_RUNS: u32 = 600;
 /// Number of failures of a report that are shrunk by default.
 const SHOWN: usize = 20;
 

@@ -55,8 +55,12 @@ impl Repeated {
 
     /// Why it failed; `None` if it is not a failure, if it is not as in the report, or if the questions leave out its driver.
     pub fn cause(&self, questions: Questions, limit: RunLimit<'_>) -> Option<Cause> {
-        let incident = self.incident.as_ref().filter(|_| self.differences.is_empty());
-        incident.and_then(|incident| explain(incident, questions, limit))
+        explain(self.as_in_report()?, questions, limit)
+    }
+
+    /// The failure, if it is as in the report.
+    pub fn as_in_report(&self) -> Option<&Incident> {
+        self.incident.as_ref().filter(|_| self.differences.is_empty())
     }
 
     /// The shrunk failure in place of the episode, under its name.

@@ -4,7 +4,7 @@ use super::replayed::played_failure;
 use crate::failure::Failure;
 use crate::parallel;
 use base::seed::Seed;
-use world::cause::{Cause, Incident, MAX_RUNS, Questions, RunLimit, Shrunk, explain, shrink};
+use world::cause::{Cause, Incident, MAX_RUNS, Questions, RunLimit, Shrunk, explain, explain_any, shrink};
 
 /// Maximum number of failures of a page that are shrunk, the first of its list.
 pub const MAX_SHRUNK: usize = 24;
@@ -12,8 +12,8 @@ pub const MAX_SHRUNK: usize = 24;
 const MAX_EXPLAINED: usize = 8;
 /// Maximum number of simulator ticks in which a failure of a page is shrunk, and as many in which its cause is found.
 const MAX_TICKS: u64 = 1_200_000;
-/// Of how many failures of programs the cause is asked, the first of different kinds, and the maximum number of runs of each.
-pub const OF_PROGRAM: (usize, u32) = (3, 200);
+/// Of how many failures of programs the cause is asked, the first of different kinds.
+pub const MAX_OF_PROGRAMS: usize = 3;
 
 /// A failure for all that shrink to the same.
 #[derive(Debug, Clone)]
@@ -78,7 +78,7 @@ pub fn distinct_failures(
             return place < max_explained;
         }
         let kind = (failure.key.cell.policy.clone(), failure.kind());
-        let is_new = !failure.key.cell.is_elsewhere() && kinds.len() < OF_PROGRAM.0 && !kinds.contains(&kind);
+        let is_new = !failure.key.cell.is_elsewhere() && kinds.len() < MAX_OF_PROGRAMS && !kinds.contains(&kind);
         kinds.extend(is_new.then_some(kind));
         is_new
     };
@@ -90,11 +90,7 @@ pub fn distinct_failures(
             let limit = RunLimit { max_runs: runs_of(incident), ..RunLimit::default() };
             explain(incident, Questions::OfCopied, limit)
         }
-        None => {
-            let (.., repeated) = played_failure(&failure.name(), found, seed)?;
-            let limit = RunLimit { max_runs: OF_PROGRAM.1, ..RunLimit::default() };
-            explain(&repeated.incident()?, Questions::Weakness, limit)
-        }
+        None => explain_any(&played_failure(&failure.name(), found, seed)?.2.incident()?),
     });
     let distinct = |((((failure, shrunk), merged), is_asked), cause): (_, Option<Cause>)| {
         let shrunk: Option<Shrunk> = shrunk;

@@ -231,6 +231,11 @@ pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
             row.cause.as_ref().map(|cause| cause.weakness.name())
         })
         .text(
+            "side",
+            "the side of the car that it does not watch enough, `left` or `right`; missing of other weaknesses",
+            |row| row.cause.as_ref()?.side,
+        )
+        .text(
             "enough",
             "the one or two weaknesses of which the repair of each alone avoids it; missing without --why",
             |row| {

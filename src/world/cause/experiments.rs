@@ -112,17 +112,6 @@ impl<'a> Experiments<'a> {
         self.reruns.run_with(&self.incident.commands, &(Arc::new(move |driver| story.alter(driver, change)) as _))
     }
 
-    /// Whether two changes at once turn the failure.
-    pub fn turns_with(&mut self, one: Change, other: Change) -> bool {
-        if self.count().is_none() {
-            return false;
-        }
-        let story = self.story.clone();
-        let both = move |driver| story.alter(story.alter(driver, one), other);
-        let rerun = self.reruns.run_with(&self.incident.commands, &(Arc::new(both) as _));
-        rerun.is_some_and(|rerun| self.avoids(&rerun))
-    }
-
     /// Whether the driver presses its brake no harder in a time before the end (s) than at the beginning of that time.
     pub fn keeps_brake(&self, time: f64) -> bool {
         let frames = self.base.trace.vehicle(0);

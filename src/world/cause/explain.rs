@@ -4,7 +4,7 @@ use super::profile::Profile;
 use super::setting::Variable;
 use super::{Change, Incident};
 use crate::av::{DrivingMode, Weakness};
-use crate::env::DriverParts;
+use crate::env::{Criterion, DriverParts};
 use crate::hardening::Traffic;
 
 /// Response times above this (s) count as a delay: two ticks of most drivers are none.
@@ -31,6 +31,8 @@ pub(super) const SPARE: f64 = 1.0;
 const MAX: (f64, f64, f64) = (3.0, 6.0, 30.0);
 /// Maximum number of episodes of an explanation where the caller sets none.
 pub const MAX_RUNS: u32 = 600;
+/// The same for a program, of whose failures several are explained.
+pub const MAX_RUNS_OF_PROGRAM: u32 = 200;
 /// The time before a touch in which a car that drove off stood (s).
 const DROVE_OFF: f64 = 6.0;
 /// A driver that reacts earlier by this to a pedestrian from the other side (s) sees one side only.
@@ -42,8 +44,12 @@ pub struct Cause {
     pub weakness: Weakness,
     /// Of [`Weakness`]: how much of it, such as the delay (s) or by how much the corridor is too narrow (m).
     pub amount: Option<f64>,
+    /// The side of the car that the driver does not watch enough, if a [`Weakness::BlindSide`] is named: `left` or `right`.
+    pub side: Option<&'static str>,
     /// Weaknesses of which the repair of each alone avoids the failure, as runs show: the named one, and the next in the order of the rules.
     pub enough: Vec<Weakness>,
+    /// What times are before: `the collision`, or `the end of the episode` of a violation.
+    pub end: &'static str,
     /// When full braking, comfortable braking and swerving help for the last time; `None` if they never do.
     pub last: [Option<f64>; 3],
     /// For how long the pedestrian was in sight without a break.
@@ -56,8 +62,6 @@ pub struct Cause {
     pub drove_off: Option<bool>,
     /// What of a driver was made perfect, one at a time, and whether that turns it.
     pub faculties: Vec<(&'static str, bool)>,
-    /// Two of these that turn it together, if none does alone and nothing else was found.
-    pub together: Option<[&'static str; 2]>,
     /// The smallest change of a setting of the driver or of its sensors that turns it, as all larger ones that were tried do; one that costs no faults in
     /// natural crossings comes first.
     pub setting: Option<TurnedBy>,
@@ -110,6 +114,13 @@ impl Default for RunLimit<'_> {
     }
 }
 
+/// Finds out why one of several incidents happened: if its driver cannot be copied, such as a program, in few episodes and without settings.
+pub fn explain_any(incident: &Incident) -> Option<Cause> {
+    let of_program = RunLimit { max_runs: MAX_RUNS_OF_PROGRAM, ..RunLimit::default() };
+    let copied = explain(incident, Questions::OfCopied, RunLimit::default());
+    copied.or_else(|| explain(incident, Questions::Weakness, of_program))
+}
+
 /// Finds out why an incident happened; `None` if it is not a failure when it is repeated.
 pub fn explain(incident: &Incident, questions: Questions, limit: RunLimit<'_>) -> Option<Cause> {
     let incident = &incident.lasting();
@@ -130,7 +141,8 @@ pub fn explain(incident: &Incident, questions: Questions, limit: RunLimit<'_>) -
             cause.without = it.without();
         }
     }
-    Some(Cause { tried: it.tried, runs: it.runs, is_cut: it.is_cut, ..cause })
+    let end = if incident.criterion == Criterion::Collision { "the collision" } else { "the end of the episode" };
+    Some(Cause { end, tried: it.tried, runs: it.runs, is_cut: it.is_cut, ..cause })
 }
 
 /// What happened, in ticks of the episode.
@@ -149,21 +161,23 @@ impl Experiments<'_> {
     /// The cause without settings.
     fn cause(&mut self, parts: &DriverParts, facts: &Facts) -> Cause {
         let (weakness, amount) = self.weakness(parts, facts);
-        let (faculties, together) = self.faculties(parts, facts);
+        let faculties = self.faculties(parts, facts).into();
         let enough = self.enough(weakness, facts);
+        let is_of_side = weakness == Weakness::BlindSide || enough.contains(&Weakness::BlindSide);
+        let side = is_of_side.then(|| self.sides(facts).0);
         let Facts { last, seen, reaction, braked, drove_off, .. } = *facts;
         let before = |tick: u32| self.before(tick);
         Cause {
             weakness,
             amount,
+            side,
             enough,
             last: last.map(|tick| tick.map(before)),
             seen,
             reacted: reaction.map(before),
             braked: braked.map(before),
             drove_off,
-            faculties: faculties.into(),
-            together: together.filter(|_| weakness == Weakness::NotFound),
+            faculties,
             ..Cause::default()
         }
     }
@@ -299,7 +313,7 @@ impl Experiments<'_> {
         let full_braking = last[0].map_or(0.0, |tick| self.before(tick));
         let delay = profile.latency.map_or(0.0, |latency| latency.0);
         let earlier = COMPENSATED.map(|part| Change::Earlier((part * delay / self.dt()).round() as u32));
-        let (side, other, edge) = self.sides(facts);
+        let (_, side, other, edge) = self.sides(facts);
         let is_narrow = side < edge && edge <= other;
         let [fixed, growing] = self.needed(profile);
         let [reach, _] = profile.reach;
@@ -321,16 +335,17 @@ impl Experiments<'_> {
         ]
     }
 
-    /// How far beside its axis the driver reacts to somebody on the narrower side from which the pedestrian came while full braking helped, how far on the
-    /// other side, and how far it must (m).
-    fn sides(&self, facts: &Facts) -> (f64, f64, f64) {
+    /// The narrower side from which the pedestrian came while full braking helped; how far beside its axis the driver reacts to somebody there, how far on
+    /// the other side, and how far it must (m).
+    fn sides(&self, facts: &Facts) -> (&'static str, f64, f64, f64) {
         let pair = self.pair();
         let seen = pair.frames().take(facts.last[0].map_or(usize::MAX, |tick| tick as usize + 1));
         let left = seen.map(|frame| frame.ego.pose.to_local(frame.pedestrian.pose.position()).y);
         let was = [1.0, -1.0].map(|side| left.clone().any(|left| side * left > 0.0));
         let [left, right] = facts.profile.stands;
-        let (side, other) = if was[0] && (left <= right || !was[1]) { (left, right) } else { (right, left) };
-        (side, other, pair.blueprint.half_width + pair.body.radius / 2.0)
+        let edge = pair.blueprint.half_width + pair.body.radius / 2.0;
+        let is_left = was[0] && (left <= right || !was[1]);
+        if is_left { ("left", left, right, edge) } else { ("right", right, left, edge) }
     }
 
     /// How far ahead somebody in its way must be noticed if that is at a fixed range, and braked for if the distance grows with the speed (m).
@@ -340,14 +355,9 @@ impl Experiments<'_> {
         [ENOUGH.0, ENOUGH.1].map(|deceleration| reaction + speed * speed / (2.0 * deceleration))
     }
 
-    /// Whether perfect perception, perfect prediction, a perfect brake, and no delay turn the failure, or else two of them together.
-    fn faculties(
-        &mut self,
-        parts: &DriverParts,
-        facts: &Facts,
-    ) -> ([(&'static str, bool); 4], Option<[&'static str; 2]>) {
-        let it = self;
-        let late = facts.profile.latency.map_or(0, |(least, _)| (least / it.dt()).round() as u32);
+    /// Whether perfect perception, perfect prediction, a perfect brake, and no delay turn the failure, one at a time.
+    fn faculties(&mut self, parts: &DriverParts, facts: &Facts) -> [(&'static str, bool); 4] {
+        let late = facts.profile.latency.map_or(0, |(least, _)| (least / self.dt()).round() as u32);
         let parts = [&parts.exact_sensors, &None, &None, &parts.prompt];
         let changes: [(&str, Vec<Change>); 4] = [
             ("perfect perception", vec![Change::SeenThrough]),
@@ -355,20 +365,11 @@ impl Experiments<'_> {
             ("a perfect brake", vec![Change::BrakesFully, Change::KeepsBraking]),
             ("no delay", (late > 0).then_some(Change::Earlier(late)).into_iter().collect()),
         ];
-        let each: Vec<_> = changes
-            .iter()
-            .zip(parts)
-            .map(|((what, changes), part)| {
-                let is_turned = part.as_ref().is_some_and(|part| it.is_turned_by(part));
-                (*what, is_turned || changes.iter().any(|change| it.turns(*change)))
-            })
-            .collect();
-        let mut pairs = (0..4).flat_map(|one| (one + 1..4).map(move |other| [one, other]));
-        let together = pairs.find(|[one, other]| {
-            let all = changes[*one].1.iter().flat_map(|one| changes[*other].1.iter().map(move |other| (*one, *other)));
-            each.iter().all(|(_, turns)| !turns) && { all }.any(|(one, other)| it.turns_with(one, other))
+        let mut each = changes.into_iter().zip(parts).map(|((what, changes), part)| {
+            let is_turned = part.as_ref().is_some_and(|part| self.is_turned_by(part));
+            (what, is_turned || changes.iter().any(|change| self.turns(*change)))
         });
-        (std::array::from_fn(|place| each[place]), together.map(|pair| pair.map(|place| changes[place].0)))
+        std::array::from_fn(|_| each.next().expect("there are four"))
     }
 
     /// Whether the driver gives the commands of an empty road wherever the pedestrian seems to be.
@@ -382,7 +383,7 @@ impl Experiments<'_> {
     /// Whether it does not watch the side of the pedestrian, or too little of both.
     fn beside(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
         let [left, right] = facts.profile.stands;
-        let (side, other, edge) = self.sides(facts);
+        let (_, side, other, edge) = self.sides(facts);
         self.note(
             format!("somebody beside its axis: reacts up to {left:.1} m to the left and {right:.1} m to the right"),
             left.min(right) < edge,

@@ -23,7 +23,7 @@ mod shrink;
 
 pub use altered::{Change, unseeing};
 pub use around::{Around, StartRule, around};
-pub use explain::{Cause, MAX_RUNS, Questions, RunLimit, TurnedBy, explain};
+pub use explain::{Cause, MAX_RUNS, MAX_RUNS_OF_PROGRAM, Questions, RunLimit, TurnedBy, explain, explain_any};
 pub use failure_kind::FailureKind;
 pub use incident::{Incident, Rerun, Reruns, WrapMaker};
 pub use needs::{Need, needed, needed_names, needs};

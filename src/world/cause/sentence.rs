@@ -20,8 +20,8 @@ impl Cause {
         };
         let act = match (self.reacted, self.braked) {
             (None, _) => "does not react".to_string(),
-            (Some(reacted), None) => format!("reacts {reacted:.1} s before, but does not brake"),
-            (Some(_), Some(braked)) => format!("brakes {braked:.1} s before"),
+            (Some(reacted), None) => format!("reacts {reacted:.1} s before {}, but does not brake", self.end),
+            (Some(_), Some(braked)) => format!("brakes {braked:.1} s before {}", self.end),
         };
         let why = self.why();
         let without = self.without.as_ref().map(|what| format!("without {what} it avoids it"));
@@ -34,11 +34,13 @@ impl Cause {
         )
     }
 
-    /// Which of two repairs are enough, each alone; empty of one that the cause already says.
+    /// Which of two repairs are enough, each alone; empty of one that the cause already says. A repair of what is named that was tried and is not enough is
+    /// said, too.
     fn repairs(&self) -> String {
+        let on_side = format!("a reaction to people on its {}", self.side.unwrap_or("blind side"));
         let repair = |weakness: &Weakness| match weakness {
             Weakness::Hidden => "sight through the obstacle",
-            Weakness::BlindSide => "a reaction to people on that side",
+            Weakness::BlindSide => on_side.as_str(),
             Weakness::Range => "a longer range",
             Weakness::Errors | Weakness::Dropouts => "exact sensors",
             Weakness::Delay => "a prompt response",
@@ -49,9 +51,16 @@ impl Cause {
             Weakness::Corridor => "a wider corridor",
             Weakness::Ignores | Weakness::NotFound => "to brake for people",
         };
+        // From the other side a pedestrian often misses the way of the car, so that run shows nothing if it fails.
+        let is_tried =
+            matches!(self.weakness, Weakness::Range | Weakness::Distance | Weakness::Delay | Weakness::Anticipation);
+        let own = repair(&self.weakness);
         match self.enough.as_slice() {
             [one, other] => format!("; either of these alone avoids it: {}, or {}", repair(one), repair(other)),
-            [one] if *one != self.weakness => format!("; {} alone avoids it", repair(one)),
+            [one] if *one == self.weakness => String::new(),
+            [one] if is_tried => format!("; {} alone avoids it, {own} alone does not", repair(one)),
+            [one] => format!("; {} alone avoids it", repair(one)),
+            [] if is_tried => format!("; {own} alone does not avoid it"),
             _ => String::new(),
         }
     }
@@ -61,6 +70,7 @@ impl Cause {
         let amount = self.amount;
         // A run without errors of declared sensors; else it may be the driver that does not look.
         let of_sensors = self.tried.iter().any(|(what, turns)| *turns && what == "exact sensors");
+        let side = self.side.unwrap_or("blind side");
         let by = |unit: &str| amount.map_or(String::new(), |amount| format!(" {amount:.1} {unit}"));
         match self.weakness {
             Weakness::Ignores => match self.reacted {
@@ -70,12 +80,12 @@ impl Cause {
             Weakness::Hidden => {
                 "an obstacle hides the pedestrian for too long, with sight through it the driver avoids it".into()
             }
-            Weakness::BlindSide if of_sensors => "its sensors do not see pedestrians on that side".into(),
+            Weakness::BlindSide if of_sensors => format!("its sensors do not see pedestrians on its {side}"),
             Weakness::BlindSide => {
                 let aside = amount.map_or("less".into(), |aside| format!("only up to {aside:.1} m beside its axis"));
                 let is_shown = self.enough.contains(&Weakness::BlindSide);
                 let other = if is_shown { ", and avoids the same one from the other side" } else { "" };
-                format!("it reacts to pedestrians on that side {aside}{other}")
+                format!("on its {side} it reacts to people {aside}{other}")
             }
             Weakness::Range => match amount {
                 Some(range) => format!("it notices somebody in its way only {range:.1} m ahead, at any speed"),
@@ -100,10 +110,7 @@ impl Cause {
             Weakness::Corridor => {
                 format!("the pedestrian is outside the corridor that it watches; with{} more it avoids it", by("m"))
             }
-            Weakness::NotFound => match self.together {
-                Some([one, other]) => format!("no single cause was found; {one} and {other} together avoid it"),
-                None => "a cause was not found".into(),
-            },
+            Weakness::NotFound => "a cause was not found".into(),
         }
     }
 
@@ -120,7 +127,7 @@ impl Cause {
     /// When braking and swerving help for the last time.
     pub fn last_chances(&self) -> String {
         let text = |(what, last): (&str, Option<f64>)| match last {
-            Some(time) => format!("{what} helps up to {time:.2} s before"),
+            Some(time) => format!("{what} helps up to {time:.2} s before {}", self.end),
             None => format!("{what} never helps"),
         };
         let all = ["Full braking", "comfortable braking", "swerving"].into_iter().zip(self.last).map(text);
@@ -190,5 +197,17 @@ mod tests {
                 |turns| Cause { weakness, tried: vec![("exact sensors".into(), turns)], ..Cause::default() }.sentence();
             assert!(said(true).contains("its sensors") && !said(false).contains("sensors"), "{}", said(false));
         }
+    }
+
+    #[test]
+    fn a_repair_that_was_tried_and_is_not_enough_is_said() {
+        let said =
+            |weakness, enough: &[Weakness]| Cause { weakness, enough: enough.into(), ..Cause::default() }.repairs();
+        let forecast = "a true forecast of the pedestrian alone avoids it";
+        let only = said(Weakness::Range, &[Weakness::Anticipation]);
+        assert_eq!(only, format!("; {forecast}, a longer range alone does not"));
+        assert_eq!(said(Weakness::BlindSide, &[Weakness::Anticipation]), format!("; {forecast}"));
+        assert_eq!(said(Weakness::Range, &[]), "; a longer range alone does not avoid it");
+        assert_eq!(said(Weakness::Range, &[Weakness::Range]), "", "the cause says it");
     }
 }

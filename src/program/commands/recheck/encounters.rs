@@ -12,10 +12,11 @@ use results::failure::Failure;
 use results::jobs::Repeatable;
 use results::parallel;
 use results::report::{Encounter, Encounters, Met, WalkedBy};
-use world::cause::unseeing;
+use world::cause::{Incident, unseeing};
 use world::env::{Criterion, Outcome, Scenario, Trace};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
 use world::judge::Judged;
+use world::sim::WalkCommand;
 
 /// What became of a failure.
 #[derive(Debug, Default)]
@@ -37,7 +38,7 @@ pub(super) struct MetAgain {
 impl MetAgain {
     /// A failure that was not met again, since what is met had failed as a program over and over.
     pub(super) fn not_run(failure: &Failure, walked_by: &[WalkedBy]) -> Self {
-        let left_out = |by: &WalkedBy| (*by, encounter(failure, None, Met::error()));
+        let left_out = |by: &WalkedBy| (*by, encounter(failure, None, Met::error(), None));
         Self { encounters: walked_by.iter().map(left_out).collect(), ..Self::default() }
     }
 }
@@ -86,7 +87,7 @@ impl Source {
             Meeting::new(&after, |scenario| walk_again(scenario, starts, number.into(), &commands))
         });
         let ends = [(WalkedBy::Pedestrian, Meeting::new(&after, play)), (WalkedBy::Commands, again)];
-        met_again(failure, &evaluation.scenario, before, ends)
+        met_again(failure, [&evaluation.scenario, &after], before, ends, (starts, number.into()))
     }
 
     /// Meets a failure of a search again. `old` says whether the old driver can be run.
@@ -110,7 +111,8 @@ impl Source {
         let before = old.then(|| follow(&search.scenario)).flatten();
         let again = if walked.is_some() && new.world.is_some() { None } else { Meeting::new(&after, follow) };
         let ends = [(WalkedBy::Pedestrian, walked), (WalkedBy::Commands, again)];
-        MetAgain { has_no_controller, ..met_again(failure, &search.scenario, before, ends) }
+        let start = (seed, failure.start);
+        MetAgain { has_no_controller, ..met_again(failure, [&search.scenario, &after], before, ends, start) }
     }
 }
 
@@ -118,11 +120,24 @@ fn end(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> Met {
     Met::new(&Judged::by(Criterion::Collision, outcome, &trace.main_pair(scenario)))
 }
 
+/// What repeats an episode that is a fault, and did not happen in another simulator.
+fn incident(
+    scenario: &Arc<Scenario>,
+    met: Met,
+    commands: Vec<WalkCommand>,
+    (seed, start): (Seed, u64),
+) -> Option<Incident> {
+    let incident = Incident { scenario: scenario.clone(), seed, start, commands, criterion: Criterion::Collision };
+    (met.fault && scenario.external_world.is_none()).then_some(incident)
+}
+
+/// A failure that is met again in the scenario of its report and in that of the new driver, from a start.
 fn met_again(
     failure: &Failure,
-    scenario: &Scenario,
+    [scenario, with_new]: [&Arc<Scenario>; 2],
     before: Option<Played>,
     ends: [(WalkedBy, Option<Meeting>); 2],
+    start: (Seed, u64),
 ) -> MetAgain {
     let stored = Met::stored(failure);
     let old = before.as_ref().map(|(outcome, trace)| (outcome.start, end(scenario, outcome, trace)));
@@ -138,15 +153,16 @@ fn met_again(
             continue;
         }
         let after = Met { is_missed, ..end(scenario, &outcome, &trace) };
-        met.encounters.push((walked_by, encounter(failure, old.map(|(_, old)| old), after)));
+        let incident = incident(with_new, after, recorded_commands(&trace), start);
+        met.encounters.push((walked_by, encounter(failure, old.map(|(_, old)| old), after, incident)));
     }
     met
 }
 
 /// A failure, met again. `before` is how it ended for the old driver now; `None` if that was not run.
-fn encounter(failure: &Failure, before: Option<Met>, after: Met) -> Encounter {
+fn encounter(failure: &Failure, before: Option<Met>, after: Met, incident: Option<Incident>) -> Encounter {
     let before = Some(before.unwrap_or_else(|| Met::stored(failure)));
-    Encounter { name: failure.name(), start: failure.start, crossing: 0, before, after }
+    Encounter { name: failure.name(), start: failure.start, crossing: 0, before, after, incident }
 }
 
 /// Both drivers in all of these crossings from the first starts; without `before` the new driver alone. `played` is called after each episode.
@@ -160,31 +176,33 @@ pub(super) fn cross(
 ) -> Encounters {
     let count = starts.min(rayon::current_num_threads() as u32);
     let parts: Vec<u32> = (0..count).collect();
-    let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, Met)> {
+    let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, Met, Vec<WalkCommand>)> {
         // Products of starts and parts may exceed 32 bits.
         let edge = |part: u32| (u64::from(part) * u64::from(starts) / u64::from(count)) as u32;
         let note = &mut |outcome: &Outcome, trace: &Trace| {
-            let noted = (outcome.start, end(scenario, outcome, trace));
+            let met = end(scenario, outcome, trace);
             played();
-            noted
+            (outcome.start, met, if met.fault { recorded_commands(trace) } else { Vec::new() })
         };
         let ends = evaluate_crossings(goals, scenario, edge(part)..edge(part + 1), seed, note);
-        ends.into_iter().map(|end| end.unwrap_or((0, Met::error()))).collect()
+        ends.into_iter().map(|end| end.unwrap_or((0, Met::error(), Vec::new()))).collect()
     };
-    let all = |scenario: &Arc<Scenario>| -> Vec<(u64, Met)> {
+    let all = |scenario: &Arc<Scenario>| -> Vec<(u64, Met, Vec<WalkCommand>)> {
         parallel::map(&parts, |part| of_part(scenario, *part)).concat()
     };
     let old = before.map(all);
-    let encounter = |(place, (start, after)): (usize, (u64, Met))| {
-        let before = old.as_ref().map(|old| old[place]);
+    let encounter = |(place, (hash, met, commands)): (usize, (u64, Met, Vec<WalkCommand>))| {
+        let before = old.as_ref().map(|old| &old[place]);
         // An error has no start.
-        let is_same = before.is_none_or(|(other, before)| other == start || before.error || after.error);
+        let is_same = before.is_none_or(|(other, before, _)| *other == hash || before.error || met.error);
+        let start = (place / goals.len()) as u64;
         is_same.then(|| Encounter {
             name: String::new(),
-            start: (place / goals.len()) as u64,
+            start,
             crossing: (place % goals.len()) as u64,
-            before: before.map(|(_, before)| before),
-            after,
+            before: before.map(|(_, before, _)| *before),
+            after: met,
+            incident: incident(after, met, commands, (seed, start)),
         })
     };
     Encounters(all(after).into_iter().enumerate().filter_map(encounter).collect())

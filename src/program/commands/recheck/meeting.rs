@@ -6,19 +6,14 @@ use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, 
 use super::encounters::{MetAgain, cross};
 use super::{RecheckArgs, STARTS};
 use crate::cli::external_world::external_world;
-use crate::commands::compare::{MAX_EXPLAINED, OF_PROGRAM};
 use crate::session::{EpisodeName, Error, Event, Input, Session, Source, Stage, WhichPrograms};
-use base::seed::Seed;
 use compile::{Campaign, HERE, Misfit, RunId, Staging};
 use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
-use results::report::{
-    CrossedStarts, Encounter, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy,
-};
-use world::cause::{Incident, Questions, RunLimit, explain};
-use world::env::{Criterion, ExternalWorld, Outcome, Scenario, Trace};
-use world::falsifier::{Goal, crossings, evaluate_crossings, recorded_commands};
+use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
+use world::env::{ExternalWorld, Scenario};
+use world::falsifier::{Goal, crossings};
 
 /// The gap between car and pedestrian below which an episode without a touch is a near miss (m).
 const NEAR: f64 = 1.0;
@@ -63,10 +58,9 @@ impl Session {
         let failures = sides.meet_failures(&pairs, options, self, &mut notes)?;
         let setups = sides.crossed_setups(&pairs, options, &mut notes)?;
         let crossings = sides.cross_all(&setups, options.starts.unwrap_or(STARTS), self, &mut notes);
-        let causes = if options.fail_if.is_empty() { Vec::new() } else { sides.causes(&setups, &crossings) };
         let report = options.report.clone();
         let files = options.files.clone();
-        let mut recheck = Recheck { report, files, notes, failures, crossings, causes };
+        let mut recheck = Recheck { report, files, notes, failures, crossings };
         recheck.adjust();
         Ok(recheck)
     }
@@ -432,7 +426,7 @@ impl Sides {
         let Setup { town, world, number, scenario } = setup;
         let new = self.new_driver(&pair.after, town, None).expect("the new driver is in a campaign");
         let before = self.is_there(&pair.before).then_some(scenario);
-        let seed = self.fixed_seed(town);
+        let seed = self.old.seed.child("recheck").child(town);
         CrossedStarts {
             policies: [pair.before.clone(), pair.after.clone()],
             town: (*town).to_owned(),
@@ -442,46 +436,6 @@ impl Sides {
             encounters: cross(goals, before, &with_driver(scenario, new), starts, seed, &|| tally.add()),
             holm: None,
         }
-    }
-
-    /// Why the new drivers have their worst new faults on the fixed list.
-    fn causes(&self, setups: &[(&DriverPair, Setup<'_>)], crossed: &[CrossedStarts]) -> Vec<String> {
-        let new =
-            |encounter: &&Encounter| encounter.after.fault && encounter.before.is_some_and(|before| !before.fault);
-        let mut found: Vec<_> = setups
-            .iter()
-            .zip(crossed)
-            .flat_map(|(of, row)| row.encounters.valid().filter(new).map(move |encounter| (of, row, encounter)))
-            .collect();
-        let speed = |encounter: &Encounter| encounter.after.impact_speed.unwrap_or(0.0);
-        found.sort_by(|(.., one), (.., other)| speed(other).total_cmp(&speed(one)));
-        let cause = |((pair, Setup { town, scenario, .. }), row, encounter): &(
-            &(&DriverPair, Setup<'_>),
-            &CrossedStarts,
-            &Encounter,
-        )| {
-            let scenario = with_driver(scenario, self.new_driver(&pair.after, town, None)?);
-            let start = u32::try_from(encounter.start).ok()?;
-            let goal = crossings(LEVELS)[encounter.crossing as usize];
-            let seed = self.fixed_seed(town);
-            let note = &mut |_: &Outcome, trace: &Trace| recorded_commands(trace);
-            let commands = evaluate_crossings(&[goal], &scenario, start..start + 1, seed, note).pop()??;
-            let incident = Incident { scenario, seed, start: start.into(), commands, criterion: Criterion::Collision };
-            let name = &encounter.change(row.title())?.sides[1].name;
-            let of_copied = explain(&incident, Questions::OfCopied, RunLimit::default());
-            let of_program = RunLimit { max_runs: OF_PROGRAM, ..RunLimit::default() };
-            let cause = of_copied.or_else(|| explain(&incident, Questions::Weakness, of_program));
-            Some(format!(
-                "{name}: {}",
-                cause.map_or_else(|| "the failure does not repeat.".into(), |cause| cause.sentence())
-            ))
-        };
-        found.iter().take(MAX_EXPLAINED).filter_map(cause).collect()
-    }
-
-    /// The seed of the starts of the fixed list in a town.
-    fn fixed_seed(&self, town: &str) -> Seed {
-        self.old.seed.child("recheck").child(town)
     }
 
     /// The different setups in which the report has a driver, numbered in each town.

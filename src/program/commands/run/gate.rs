@@ -7,12 +7,14 @@ use clap::Args;
 use crate::cli::console;
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::output::Output;
+use crate::commands::causes;
 use crate::commands::compare;
 use crate::commands::condition::{self, Condition};
 use crate::commands::episode::RepeatArgs;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{CampaignReport, RunReport};
-use results::report::{self, Gate, GateError, Judged, SearchCell, Suite};
+use results::failure::Failure;
+use results::report::{self, Cell, Gate, GateError, Judged, SearchCell, StoredReport, Suite};
 
 /// Options that make a run pass or fail.
 #[derive(Debug, Args)]
@@ -71,12 +73,10 @@ impl GateArgs {
                 // The output has events only.
                 Output::Json => console::note(text.trim_end()),
             }
-            let code = compare::judge(&conditions, &comparison)?;
-            if code == ExitCode::GateFailed {
-                let allow_external = report.manifest.call.allow_external;
-                compare::tell_causes(&comparison, &RepeatArgs { allow_external, ..RepeatArgs::default() });
-            }
-            Ok(code)
+            let failed = compare::judge(&conditions, &comparison)?;
+            let allow_external = report.manifest.call.allow_external;
+            compare::tell_causes(&failed, &comparison, &RepeatArgs { allow_external, ..RepeatArgs::default() });
+            Ok(ExitCode::of_gate(failed.is_empty()))
         };
         let codes = run.reports().map(|report| against(report).unwrap_or_else(|code| code));
         codes.fold(ExitCode::Done, ExitCode::or)
@@ -126,4 +126,27 @@ pub fn show(report: &CampaignReport) {
             console::warn(&format!("--fail-if {}: no row of {campaign} matches it", gate.text()));
         }
     }
+    tell_causes(report);
+}
+
+/// Says why the worst failures in the rows happened of which a condition is true.
+fn tell_causes(report: &CampaignReport) {
+    let of_cell = |Cell { key, .. }: &Cell| [key.policy.clone(), key.town.clone(), key.controller.clone()];
+    let of_search = |SearchCell { key, .. }: &SearchCell| [key.policy.clone(), key.town.clone(), key.falsifier.clone()];
+    let failed = |(gate, judged): &(Gate, Vec<Judged>)| -> Vec<[String; 3]> {
+        let rows: Vec<[String; 3]> = match gate.is_about_searches() {
+            true => report.searches.iter().map(of_search).collect(),
+            false => report.cells.iter().map(of_cell).collect(),
+        };
+        rows.into_iter().zip(judged).filter(|(_, judged)| judged.fails()).map(|(row, _)| row).collect()
+    };
+    let failed: Vec<[String; 3]> = report.gates.iter().flat_map(failed).collect();
+    let stored = (!failed.is_empty()).then(|| StoredReport::open(&report.folder).ok()?.failures().ok());
+    let mut failures: Vec<Failure> = stored.flatten().unwrap_or_default();
+    failures.retain(|Failure { key, .. }| {
+        failed.contains(&[key.cell.policy.clone(), key.cell.town.clone(), key.cell.controller.clone()])
+    });
+    failures.sort_by(Failure::worse_first);
+    let options = RepeatArgs { allow_external: report.manifest.call.allow_external, ..RepeatArgs::default() };
+    causes::tell(&report.folder, failures.iter().take(causes::MAX_TOLD).map(Failure::name).collect(), &options);
 }

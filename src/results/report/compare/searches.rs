@@ -5,7 +5,7 @@ use super::comparison::drivers;
 use super::matching::{Matched, Side, is_renamed, paired};
 use super::paired_rate::{Changed, PairedRate};
 use super::table::{MATCHED_RUNS, OTHER_DRIVER};
-use crate::failure::{Failure, FailureOrder};
+use crate::failure::Failure;
 use crate::record::columns::{DRIVER, TOWN};
 use crate::record::{Column, Entry, Interval, Role, Table};
 use crate::report::aggregate::{BUDGET, METHOD, SEARCH_BLOCK};
@@ -134,7 +134,7 @@ fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u
     let mut worst: BTreeMap<u64, &Failure> = BTreeMap::new();
     for failure in search.failures.iter().filter(|failure| tried.contains(failure.start)) {
         let kept = worst.entry(failure.start).or_insert(failure);
-        if FailureOrder::Severity.compare(failure, kept) == Ordering::Less {
+        if failure.counts_more(kept) == Ordering::Less {
             *kept = failure;
         }
     }

@@ -1,10 +1,10 @@
 use super::section;
 use crate::failure::Failure;
-use crate::report::distinct::{OF_PROGRAM, distinct_failures};
+use crate::report::distinct::{MAX_OF_PROGRAMS, distinct_failures};
 use crate::report::render::{Column, Section, Table, Value, place, share_of_two, who};
 use crate::report::{DistinctFailure, DriverResult, Findings};
 use base::seed::Seed;
-use world::cause::Cause;
+use world::cause::{Cause, MAX_RUNS_OF_PROGRAM};
 
 /// The listed failures that count against their drivers, each finding once, the worst first.
 pub fn shown(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure> {
@@ -94,11 +94,11 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
     let faults: usize = shown.iter().map(|finding| finding.merged).sum();
     let mut lead = vec![
         format!(
-            "{faults} failures that count against a driver are listed (the worst of each start, at most 100 a driver). Those of built-in drivers were repeated with as few commands of the pedestrian as 600 runs find; \
-             those of a driver that become the same are one finding, named after the worst. {} are left. A cause was tried: the failure ran again with one thing changed. Of failures of programs the {} worst of different kinds were asked, with at most {} runs each.",
+            "Listed failures that count against a driver: {faults} (the worst of each start, at most 100 a driver). Those of built-in drivers were repeated with as few commands of the pedestrian as 600 runs find; \
+             those of a driver that become the same are one finding, named after the worst: {} below. A cause was tried: the failure ran again with one thing changed. Of failures of programs the {} worst of different kinds were asked, with at most {} runs each.",
             shown.len(),
-            OF_PROGRAM.0,
-            OF_PROGRAM.1
+            MAX_OF_PROGRAMS,
+            MAX_RUNS_OF_PROGRAM
         ),
         "`falsify replay NAME` shows a failure, `falsify failures REPORT --distinct --why` lists these.".into(),
     ];

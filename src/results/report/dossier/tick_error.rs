@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::section;
+use super::{NOT_DONE, section};
 use crate::jobs::{Repeatable, Repeated, TrainingResult, networks};
 use crate::parallel;
 use crate::report::Findings;
@@ -41,6 +41,11 @@ pub fn tick_error(found: &Findings<'_>, seed: &Seed) -> Section {
     });
     let failures: Vec<Incident> = failures.into_iter().flatten().collect();
     let episodes: Vec<Incident> = episodes.into_iter().flatten().collect();
+    if failures.is_empty() && episodes.is_empty() {
+        let lead =
+            format!("{NOT_DONE} Episodes of programs and of other simulators are not run again with a shorter tick.");
+        return section("error", "Numerical error", vec![lead], Vec::new());
+    }
     let mut rows = Vec::new();
     for (what, incidents) in [("listed failures", &failures), ("first episodes of the evaluations", &episodes)] {
         let ends =

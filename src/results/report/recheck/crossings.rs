@@ -146,6 +146,7 @@ mod tests {
             crossing: crossing as u64,
             before: Some(met(matches!(letter, 'f' | 's'))),
             after: if letter == 'e' { Met::error() } else { met(matches!(letter, 'n' | 's')) },
+            incident: None,
         };
         let of = |(start, word): (usize, &&str)| -> Vec<Encounter> {
             word.chars().enumerate().map(|(crossing, letter)| encounter(start, crossing, letter)).collect()

@@ -1,5 +1,6 @@
 use crate::failure::{Failure, FailureClass};
 use crate::report::{FailureChange, SideCollision, SideEnd};
+use world::cause::Incident;
 use world::env::Criterion;
 use world::judge::{Blame, Judged, severe_injury_risk};
 
@@ -21,7 +22,7 @@ pub struct Met {
 pub struct Encounters(pub Vec<Encounter>);
 
 /// An encounter of two drivers with the same pedestrian from the same start.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Encounter {
     /// The name of the failure in its report, `RUN:EPISODE`; empty on the fixed list.
     pub name: String,
@@ -32,6 +33,8 @@ pub struct Encounter {
     pub before: Option<Met>,
     /// How it ended for the new driver.
     pub after: Met,
+    /// What repeats it with the new driver, if that has a fault in this simulator.
+    pub incident: Option<Incident>,
 }
 
 impl Met {
@@ -83,13 +86,23 @@ impl Met {
 impl Encounter {
     /// Its ends for both drivers; `None` if the old driver cannot be run, or neither has a collision.
     pub fn change(&self, place: String) -> Option<FailureChange> {
-        let name = match self.name.as_str() {
-            "" => format!("start {}, walk {}", self.start, self.crossing),
-            name => name.to_owned(),
-        };
+        let name = self.own_name();
         let end = |met: Met| SideEnd { name: name.clone(), collision: met.collision(), is_missed: met.is_missed };
         let sides = [self.before?, self.after].map(end);
         sides.iter().any(|side| side.collision.is_some()).then_some(FailureChange { place, sides })
+    }
+
+    fn own_name(&self) -> String {
+        match self.name.as_str() {
+            "" => format!("start {}, walk {}", self.start, self.crossing),
+            name => name.to_owned(),
+        }
+    }
+
+    /// Its name beside others: that of the failure, or on the fixed list with the title of its row.
+    pub fn in_row(&self, title: &str) -> String {
+        let name = self.own_name();
+        if self.name.is_empty() { format!("{name}, {title}") } else { name }
     }
 
     /// Whether a driver failed as a program, so that the encounter says nothing.

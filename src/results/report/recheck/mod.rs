@@ -32,8 +32,6 @@ pub struct Recheck {
     pub failures: Vec<RecheckedFailures>,
     /// The fixed list.
     pub crossings: Vec<CrossedStarts>,
-    /// Why the new driver has some of its new faults on the fixed list, each in a sentence with its name; empty if that was not asked.
-    pub causes: Vec<String>,
 }
 
 impl Recheck {
