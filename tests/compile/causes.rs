@@ -330,10 +330,12 @@ fn confusion(drivers: &[&str], rows: &[Vec<Defect>], starts: (u64, u32)) -> Conf
     table
 }
 
-/// Rules were chosen on the first seed, and measured once on the other. `FALSIFY_CAUSE_SEED` is another seed for a large sample.
+/// Rules were chosen on the first seed, and measured on others. `FALSIFY_CAUSE_STARTS=SEED:STARTS` is another large sample.
 fn few_starts(all: usize) -> (u64, u32) {
-    let seed = std::env::var("FALSIFY_CAUSE_SEED").ok().and_then(|seed| seed.parse().ok());
-    (seed.unwrap_or(samples(8, 10) as u64), samples(8, all) as u32)
+    let wanted = std::env::var("FALSIFY_CAUSE_STARTS").ok();
+    let wanted = wanted.as_deref().and_then(|text| text.split_once(':'));
+    let wanted = wanted.and_then(|(seed, starts)| Some((seed.parse().ok()?, starts.parse().ok()?)));
+    wanted.unwrap_or((samples(8, 10) as u64, samples(8, all) as u32))
 }
 
 /// Checks the share of incidents from a number of starts of a seed of which one of the defects is named first.

@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_824),
     ("src/results", 26_563),
     ("src/program", 12_925),
-    ("tests", 29_390),
+    ("tests", 29_392),
 ];
 
 /// Crates that only some places may name.
