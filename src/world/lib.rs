@@ -12,3 +12,4 @@ pub mod driving;
 pub mod likelihood;
 pub mod hardening;
 pub mod cause;
+pub mod classification_tree;

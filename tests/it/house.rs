@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_537),
     ("src/learn", 5_524),
-    ("src/world", 38_146),
+    ("src/world", 38_257),
     ("src/ported", 4_642),
     ("src/lang", 6_542),
     ("src/compile", 8_335),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_824),
     ("src/results", 26_563),
     ("src/program", 12_925),
-    ("tests", 29_392),
+    ("tests", 29_393),
 ];
 
 /// Crates that only some places may name.
@@ -39,6 +39,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("polars_parquet_format", &["results/record"]),
     ("maud", &["results/report", "results/jobs"]),
     ("comfy_table", &["results/report"]),
+    ("smartcore", &["world/classification_tree"]),
     ("toml", &["results/report", "program/cli", "program/commands"]),
     ("lsp_server", &["program/lsp"]),
     ("lsp_types", &["program/lsp"]),

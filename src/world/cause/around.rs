@@ -3,6 +3,7 @@ use std::sync::Arc;
 use rand::RngExt;
 
 use super::{Incident, Plan, Reruns};
+use crate::classification_tree::ClassificationTree;
 use crate::env::{EgoStart, Scenario, StartParameter};
 use base::seed::Stream;
 use base::signature::short;
@@ -139,41 +140,15 @@ impl Ways {
         self.0.iter().all(|(feature, bound, is_at_most)| (row[*feature] <= *bound) == *is_at_most)
     }
 
-    /// The leaf of a classification tree (CART, Gini) of this depth with most failures, in which failures are more frequent; `None` if there is none.
-    fn learn(rows: &[Vec<f64>], fails: &[bool], depth: usize) -> Option<Self> {
-        let all = rows.iter().map(Vec::as_slice).zip(fails.iter().copied()).collect();
-        let leaf = Self::leaf(all, depth, Self(Vec::new()));
-        leaf.map(|(_, ways)| ways).filter(|ways| !ways.0.is_empty())
-    }
-
-    /// That leaf of the tree of some rows, below these conditions, with its failures.
-    fn leaf(rows: Vec<(&[f64], bool)>, depth: usize, above: Self) -> Option<(usize, Self)> {
-        let failures = |rows: &[(&[f64], bool)]| rows.iter().filter(|(_, fails)| *fails).count();
-        let impurity = |count: usize, failures: usize| (failures * (count - failures)) as f64 / count as f64;
-        let (count, all) = (rows.len(), failures(&rows));
-        let mut best = (impurity(count.max(1), all), None);
-        for feature in 0..rows.first().filter(|_| depth > 0).map_or(0, |(row, _)| row.len()) {
-            let mut sorted = rows.clone();
-            sorted.sort_by(|(one, _), (other, _)| one[feature].total_cmp(&other[feature]));
-            for below in MIN_ROWS..(count + 1).saturating_sub(MIN_ROWS) {
-                let [low, high] = [below - 1, below].map(|place| sorted[place].0[feature]);
-                let hit = failures(&sorted[..below]);
-                let impurity = impurity(below, hit) + impurity(count - below, all - hit);
-                if low < high && impurity < best.0 {
-                    best = (impurity, Some((feature, (low + high) / 2.0)));
-                }
-            }
-        }
-        let Some((feature, bound)) = best.1 else { return (2 * all > count).then_some((all, above)) };
-        let branches = [true, false].map(|is_at_most| {
-            let branch = rows.iter().copied().filter(|(row, _)| (row[feature] <= bound) == is_at_most).collect();
-            Self::leaf(branch, depth - 1, Self([above.0.clone(), vec![(feature, bound, is_at_most)]].concat()))
-        });
-        branches.into_iter().flatten().max_by_key(|(failures, _)| *failures)
+    /// The leaf of a tree of this depth with most failures; `None` if no leaf fails.
+    fn learn(rows: &[Vec<f64>], fails: &[bool], depth: u16) -> Option<Self> {
+        let count = |ways: &Self| rows.iter().zip(fails).filter(|(row, fails)| **fails && ways.holds(row)).count();
+        let leaves = ClassificationTree::learn(rows, fails, depth, MIN_ROWS).hits().into_iter().map(Self);
+        leaves.max_by_key(count).filter(|ways| !ways.0.is_empty())
     }
 
     /// The share of rows that rules of this depth tell wrongly which were made of the other rows.
-    fn error(rows: &[Vec<f64>], fails: &[bool], depth: usize) -> f64 {
+    fn error(rows: &[Vec<f64>], fails: &[bool], depth: u16) -> f64 {
         let mut wrong = 0;
         for part in 0..PARTS {
             let others = (0..rows.len()).filter(|row| row % PARTS != part);
@@ -192,7 +167,7 @@ impl Ways {
         let without = share.min(1.0 - share);
         let errors = [1, 2].map(|depth| Self::error(rows, fails, depth));
         let depth = if errors[1] <= errors[0] - MIN_GAIN { 2 } else { 1 };
-        let error = errors[depth - 1];
+        let error = errors[usize::from(depth) - 1];
         let is_one = error <= MAX_ERROR.0 && error <= MAX_ERROR.1 * without;
         is_one.then(|| Self::learn(rows, fails, depth))?.map(|ways| (ways, error, without))
     }
