@@ -67,9 +67,10 @@ pub(super) struct Child {
     /// Taken to close the input, which asks the child to end.
     input: Option<ChildStdin>,
     output: ChildStdout,
-    /// Bytes that were read; those from `used` on have not been returned yet.
-    read: Vec<u8>,
+    /// Memory for a read. Of the bytes up to `end`, which were read, those from `used` on have not been returned yet.
+    read: Box<[u8]>,
     used: usize,
+    end: usize,
     limit: Duration,
     deadline: Instant,
     notes: Notes,
@@ -102,8 +103,9 @@ impl Child {
             process,
             input: Some(input),
             output,
-            read: Vec::with_capacity(CHUNK),
+            read: vec![0; CHUNK].into(),
             used: 0,
+            end: 0,
             limit: Duration::ZERO,
             deadline: Instant::now(),
             notes,
@@ -141,35 +143,29 @@ impl Child {
         let mut pipe = [PollFd::new(self.output.as_fd(), PollFlags::POLLIN)];
         let is_ready = poll(&mut pipe, PollTimeout::ZERO).is_ok_and(|ready| ready > 0);
         let has_input = pipe[0].revents().is_some_and(|events| events.contains(PollFlags::POLLIN));
-        self.used < self.read.len() || (is_ready && has_input)
+        self.used < self.end || (is_ready && has_input)
     }
 
-    /// Reads the available bytes; waits for at least one.
+    /// Reads the available bytes, when all others have been returned; waits for at least one.
     fn more(&mut self) -> Result<(), Fault> {
-        if self.used == self.read.len() {
-            self.read.clear();
-            self.used = 0;
-        }
+        (self.used, self.end) = (0, 0);
         if Instant::now() >= self.deadline {
             return Err(self.late());
         }
-        let old = self.read.len();
-        self.read.resize(old + CHUNK, 0);
-        let result = loop {
-            match self.output.read(&mut self.read[old..]) {
-                Ok(0) => break Err(Fault::Ended(Exit::Unknown)),
-                Ok(count) => break Ok(count),
+        loop {
+            match self.output.read(&mut self.read) {
+                Ok(0) => return Err(Fault::Ended(Exit::Unknown)),
+                Ok(count) => {
+                    self.end = count;
+                    return Ok(());
+                }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    if let Err(fault) = self.wait(self.output.as_fd(), PollFlags::POLLIN) {
-                        break Err(fault);
-                    }
+                    self.wait(self.output.as_fd(), PollFlags::POLLIN)?;
                 }
-                Err(_) => break Err(Fault::Ended(Exit::Unknown)),
+                Err(_) => return Err(Fault::Ended(Exit::Unknown)),
             }
-        };
-        self.read.truncate(old + *result.as_ref().unwrap_or(&0));
-        result.map(|_| ())
+        }
     }
 }
 
@@ -254,7 +250,7 @@ impl Child {
 
     fn read_line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
         loop {
-            let new = &self.read[self.used..];
+            let new = &self.read[self.used..self.end];
             let end = new.iter().position(|byte| *byte == b'\n');
             let length = end.unwrap_or(new.len());
             line.extend_from_slice(&new[..length]);
@@ -272,10 +268,10 @@ impl Child {
     fn fill(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
         let mut filled = 0;
         while filled < bytes.len() {
-            if self.used == self.read.len() {
+            if self.used == self.end {
                 self.more()?;
             }
-            let count = (self.read.len() - self.used).min(bytes.len() - filled);
+            let count = (self.end - self.used).min(bytes.len() - filled);
             bytes[filled..filled + count].copy_from_slice(&self.read[self.used..self.used + count]);
             self.used += count;
             filled += count;
