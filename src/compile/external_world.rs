@@ -166,6 +166,13 @@ impl Staging<'_> {
         let known = abilities.drivers.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
         let known = if known.is_empty() { "it has none".into() } else { format!("it has {known}") };
         match native {
+            None if abilities.controls && abilities.pedal_delay > 0.0 => {
+                let message = format!(
+                    "the car of `{world}` follows its pedals up to {} s late, as it states",
+                    abilities.pedal_delay
+                );
+                add(false, false, message, "a fault there may be one of its actuators");
+            }
             None if abilities.controls => {}
             None => {
                 let message = format!("`{policy}` cannot drive in `{world}`, whose cars only its own drivers drive");

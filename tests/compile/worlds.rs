@@ -125,7 +125,7 @@ fn each_fault_of_a_world_is_an_error_of_its_own() {
         ("behind", answer("another tick than it was asked for")),
         ("nobody", answer("not one place for each pedestrian")),
         ("half", answer("an object with a key that is missing or there twice")),
-        ("misplaced", answer("the car is not where, or not as fast as, it was told to be")),
+        ("misplaced", Fault::Placed { millimetres: 500, degrees: 0, faster: 0 }),
         ("shifted", Fault::Lanes { millimetres: 300 }),
         ("few_lanes", answer("not one place for each place on the lanes")),
     ] {
@@ -146,18 +146,53 @@ fn a_car_that_does_not_move_by_its_speed_its_heading_and_its_control_is_an_error
     if !has_python() {
         return;
     }
-    // Some show only where the car brakes or turns.
-    let late = ["degrees", "stuck_yaw", "tenth", "weak_brake"];
-    for fault in ["kmh", "half_tick", "double_tick", "fast", "off", "lasting", "jumps"].into_iter().chain(late) {
+    // Some show only where the car turns.
+    let late = ["degrees", "stuck_yaw"];
+    let early = ["kmh", "half_tick", "double_tick", "fast", "off", "lasting", "jumps", "tenth", "weak_brake"];
+    for fault in early.into_iter().chain(late) {
         let ended = episodes(&evaluations(&text(fault, "timeout: 60 s", "idm", "other"))[0], 6);
         let moves = |fault| {
-            let follows = matches!(fault, Fault::Pedals { .. } | Fault::Wheel { .. });
+            let follows = matches!(fault, Fault::Brake { .. } | Fault::Pedals { .. } | Fault::Wheel { .. });
             follows || matches!(fault, Fault::Jumped { .. } | Fault::Way { .. } | Fault::Beside { .. })
         };
         let found = ended.iter().filter(|(outcome, _)| outcome.fault().is_some_and(moves)).count();
         assert!(ended.iter().all(|(outcome, _)| outcome.fault().is_none_or(moves)), "{fault}: {ended:?}");
         assert!(if late.contains(&fault) { found > 0 } else { found == 6 }, "{fault}: {found}");
     }
+}
+
+#[test]
+fn a_brake_that_is_mildly_wrong_or_late_is_an_error_of_each_episode_of_a_short_run() {
+    if !has_python() {
+        return;
+    }
+    for (fault, driver) in
+        [("mild_brake", "idm"), ("mild_brake", "blind"), ("late_control", "idm"), ("late_pedals", "idm")]
+    {
+        let ended = episodes(&evaluations(&text(fault, "timeout: 60 s", driver, "other"))[0], 3);
+        let is_brake = |(outcome, _): &(Outcome, Trace)| matches!(outcome.fault(), Some(Fault::Brake { .. }));
+        assert!(ended.len() == 3 && ended.iter().all(is_brake), "{fault} {driver}: {ended:?}");
+    }
+}
+
+#[test]
+fn a_world_may_say_how_late_its_pedals_are() {
+    if !has_python() {
+        return;
+    }
+    let declared = text("declared", "timeout: 60 s", "idm", "other");
+    // A tenth of a second needs no word.
+    for text in [&declared, &text("soon", "timeout: 60 s", "idm", "other")] {
+        let ended = episodes(&evaluations(text)[0], EPISODES);
+        assert!(ended.iter().all(|(outcome, _)| outcome.fault().is_none()), "{ended:?}");
+    }
+    let said: Vec<String> = compiled(&declared).diagnostics.iter().map(|each| each.message.clone()).collect();
+    assert!(
+        said.iter().any(|said| said == "the car of `other` follows its pedals up to 0.3 s late, as it states"),
+        "{said:?}"
+    );
+    let said = format!("{:?}", compiled(&declared.replace("declared", "tardy")).diagnostics);
+    assert!(said.contains("a `pedal_delay` that is not between 0 and 0.5"), "{said}");
 }
 
 #[test]

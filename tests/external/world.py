@@ -12,15 +12,17 @@ import my_world
 FAULT = sys.argv[1]
 #: Factors of the wheel angle and of the deceleration.
 STEER = {"mirrored": -1.0, "straight": 0.0, "weak_steer": 0.1, "strong_steer": 2.0}.get(FAULT, 1.0)
-BRAKE = {"no_brake": 0.0, "weak_brake": 0.1, "tenth": 0.1}.get(FAULT, 1.0)
+BRAKE = {"no_brake": 0.0, "weak_brake": 0.1, "tenth": 0.1, "mild_brake": 0.7}.get(FAULT, 1.0)
 #: How late the car does what it is told (ticks).
-LATE = {"late_control": 3}.get(FAULT, 0)
+LATE = {"soon": 2, "late_control": 3, "late_pedals": 6, "declared": 6}.get(FAULT, 0)
+#: Where the wheel is not late.
+PEDALS = ("late_pedals", "declared")
 
 
 class World(my_world.MyWorld):
     NAMES = {"here": "here", "nameless": " ", "two_lines": "a\nb", "long_name": "x" * 61}
     DRIVERS = {"stranger": [], "twins": ["theirs", "theirs"], "no_word": ["theirs", ""]}
-    ABOUT = {**my_world.MyWorld.ABOUT, "name": NAMES.get(FAULT, "my_world"), "drivers": DRIVERS.get(FAULT, ["theirs", "blind"]), "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0, "late": 0.5, "later": 0.5}.get(FAULT, 0.0), "seeds": FAULT != "unseeded"}
+    ABOUT = {**my_world.MyWorld.ABOUT, "name": NAMES.get(FAULT, "my_world"), "drivers": DRIVERS.get(FAULT, ["theirs", "blind"]), "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0, "late": 0.5, "later": 0.5}.get(FAULT, 0.0), "seeds": FAULT != "unseeded", "pedal_delay": {"declared": 0.3, "tardy": 0.6}.get(FAULT, 0.0)}
 
     def load(self, message):
         super().load(message)
@@ -38,7 +40,7 @@ class World(my_world.MyWorld):
         super().begin(message)
         self.native = message["driver"]
         self.first_yaw = self.yaw
-        self.wanted = [{"acceleration": 0.0, "wheel_angle": 0.0}] * LATE
+        self.wanted = [{"acceleration": 0.0} if FAULT in PEDALS else {"acceleration": 0.0, "wheel_angle": 0.0}] * LATE
         self.told = []
         if FAULT == "misplaced":
             self.y += 0.5
@@ -48,7 +50,7 @@ class World(my_world.MyWorld):
         is_right, is_fast = control["wheel_angle"] < 0.0, message["tick"] > 150 and self.speed > 12.0
         control["wheel_angle"] *= -1.0 if (FAULT == "no_right" and is_right) or (FAULT == "mirrored_fast" and is_fast) else STEER
         control["acceleration"] *= BRAKE if control["acceleration"] < 0.0 or FAULT == "tenth" else 1.0
-        self.wanted.append(dict(control))
+        self.wanted.append({"acceleration": control["acceleration"]} if FAULT in PEDALS else dict(control))
         control.update(self.wanted.pop(0))
         if self.native:
             message["control"].update(acceleration=-5.0 if self.native == "theirs" else 0.0, wheel_angle=0.0)

@@ -31,7 +31,7 @@ BRIDGES = {
 class World(Protocol):
     """A simulator behind a bridge. The messages are those of the protocol; lengths are in m, times in s, angles in rad."""
 
-    #: The greeting without the protocol: `name`, `version`, `drivers`, `friction`, `lights`, `seeds`.
+    #: The greeting without the protocol: `name`, `version`, `drivers`, `pedal_delay`, `friction`, `lights`, `seeds`.
     about: Message
 
     def load(self, message: Message) -> list[tuple[float, float]] | None:

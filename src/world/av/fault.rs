@@ -43,6 +43,18 @@ pub enum Fault {
         /// How much later.
         ticks: u32,
     },
+    /// A world begins an episode with the car elsewhere, or with another speed.
+    #[error(
+        "began with the car {:.2} m from where it was told, turned by {degrees}°, {:+.1} m/s faster: another frame, another unit, or a car that has not settled",
+        f64::from(*millimetres) / 1000.0, f64::from(*faster) / 10.0
+    )]
+    Placed {
+        /// The distance (mm), and the angle (°).
+        millimetres: u32,
+        degrees: i32,
+        /// Its speed less the one that it was told (0.1 m/s).
+        faster: i32,
+    },
     /// A world has moved the car to another place than its speed and its heading lead to in a tick.
     #[error(
         "put the car {millimetres} mm from where its `speed` and `yaw` lead in a tick: it jumps, or one of them or the length of its step is wrong"
@@ -75,6 +87,16 @@ pub enum Fault {
     )]
     Pedals {
         /// What its control allows that is nearest to what it did, and what it did (0.1 m/s).
+        told: i32,
+        done: i32,
+    },
+    /// A car of a world brakes otherwise than its brake says.
+    #[error(
+        "slowed the car by {:.1} m/s while its brake was on, and its brake by {:.1} m/s: carry out `acceleration` or `brake` in the tick that it comes with, or state `pedal_delay`",
+        f64::from(*done) / 10.0, f64::from(*told) / 10.0
+    )]
+    Brake {
+        /// The same of an episode.
         told: i32,
         done: i32,
     },

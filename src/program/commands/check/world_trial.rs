@@ -18,7 +18,7 @@ use world::env::{Abilities, ExternalWorld, Outcome, PolicyMaker, Scenario, Trace
 use world::falsifier::{Random, evaluate_observed};
 
 /// What may be wrong after all.
-const UNTRIED: &str = "        not compared: an engine of half to twice our force, 15 % less brake or steering, a control less than 0.15 s late, how its own drivers move its car; \
+const UNTRIED: &str = "        not compared: an engine of half to twice our force, 10 % less brake, 15 % less steering, a control 0.1 s late, how its own drivers move its car; \
     other speeds, times, maps and bodies are not tried: a run compares its car in each tick, too";
 
 /// Number of episodes.
@@ -69,6 +69,9 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
     let cannot: Vec<&str> = cannot.iter().filter(|(_, can)| !can).map(|(what, _)| *what).collect();
     if abilities.tolerance > 0.0 {
         console::say(&format!("        it puts pedestrians up to {} m from where it is told", abilities.tolerance));
+    }
+    if abilities.pedal_delay > 0.0 {
+        console::say(&format!("        it follows its pedals up to {} s late", abilities.pedal_delay));
     }
     if !cannot.is_empty() {
         console::say(&format!("        it has no {}", cannot.join(", no ")));

@@ -7,9 +7,9 @@ use super::{ExternalWorld, LaneMatch, Loaded};
 use crate::av::Fault;
 use crate::av::external::Peer;
 use crate::env::{PedestrianRole, Scenario};
-use crate::geometry::{Pose, wrap_angle};
+use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::road::{ForkRule, LaneFilter, RandomWalk, RoadOption, RoutePoint, Town, Waypoint};
-use crate::sim::{Control, VehicleState, World};
+use crate::sim::{Control, PedestrianState, VehicleState, World};
 use base::seed::Seed;
 
 /// How far a pedestrian may be from where the world was told to place it, if the world does not say how far (m).
@@ -25,6 +25,11 @@ const SPACING: f64 = 10.0;
 const MAX_PLACES: usize = 2_000;
 /// The length of the way of another simulator's driver (points, a metre apart).
 const ROUTE: usize = 600;
+/// A trial of the brake, of which episodes may show only what any tyres hold: from this speed (m/s), for this time (s), with everybody else this far away (m).
+const HALF_BRAKE: Control = Control { throttle: 0.0, brake: 0.5, steer: 0.0 };
+const TRIED_FROM: f64 = 8.0;
+const TRIED: f64 = 0.8;
+const AWAY: f64 = 30.0;
 
 /// The driver of the other simulator that drives, and the lanes that it is to take; `None` if the driver is ours.
 type Driver<'a> = Option<(&'a str, &'a [Waypoint])>;
@@ -38,6 +43,8 @@ pub(in crate::env) struct Bridge {
     load: Vec<u8>,
     request: Vec<u8>,
     answer: Vec<u8>,
+    /// Whether the program has braked since it was started.
+    has_braked: bool,
     /// Whether a driver of ours drives in the running episode, how the car moves, and how late pedestrians are.
     is_ours: bool,
     odometer: Odometer,
@@ -48,7 +55,8 @@ impl Drop for Bridge {
     /// Keeps a program that runs for the next bridge.
     fn drop(&mut self) {
         if let Some(peer) = self.peer.take().filter(Peer::is_running) {
-            self.world.keep(Loaded { peer, load: std::mem::take(&mut self.load) });
+            let load = std::mem::take(&mut self.load);
+            self.world.keep(Loaded { peer, load, has_braked: self.has_braked });
         }
     }
 }
@@ -62,6 +70,7 @@ impl Bridge {
             load: Vec::new(),
             request: Vec::new(),
             answer: Vec::new(),
+            has_braked: false,
             is_ours: true,
             odometer: Odometer::default(),
             delay: Delay::default(),
@@ -85,6 +94,37 @@ impl Bridge {
 
     fn try_begin(&mut self, scenario: &Scenario, here: &World, seed: u64, driver: Driver<'_>) -> Result<(), Fault> {
         self.start(scenario)?;
+        if driver.is_none() && !self.has_braked {
+            self.try_brake(here)?;
+            self.has_braked = true;
+        }
+        self.place(here, seed, driver)
+    }
+
+    /// Lets the car brake on a lane of the town, the same at each start of the program.
+    fn try_brake(&mut self, here: &World) -> Result<(), Fault> {
+        let Some([x, y]) = places(&here.town).first().copied() else { return Ok(()) };
+        let mut trial = here.clone();
+        let place = Pose { x, y, yaw: 0.0 };
+        let lane = here.town.nearest_lane(place.position(), LaneFilter::Driving);
+        let pose = lane.map_or(place, |lane| here.town.pose(lane));
+        trial.ticks = 0;
+        trial.vehicles[0].state = VehicleState { pose, speed: TRIED_FROM, age: here.ego().blueprint.start_up_pause };
+        for (number, pedestrian) in trial.pedestrians.iter_mut().enumerate() {
+            let aside = pose.to_world(Vector::new(-2.0 * number as f64, AWAY));
+            pedestrian.state = PedestrianState::standing(Pose { x: aside.x, y: aside.y, yaw: 0.0 });
+        }
+        self.place(&trial, 0, None)?;
+        // What is wrong shows a tick later.
+        for _ in 0..=((TRIED + self.pedal_delay()) / here.dt) as u32 {
+            let ego = self.try_tick(&trial, HALF_BRAKE)?;
+            trial.follow(ego);
+        }
+        Ok(())
+    }
+
+    /// Places the actors, and checks that they are there.
+    fn place(&mut self, here: &World, seed: u64, driver: Driver<'_>) -> Result<(), Fault> {
         let ego = here.ego();
         let begin = Begin {
             r#type: "begin",
@@ -99,10 +139,14 @@ impl Bridge {
         (self.is_ours, self.odometer, self.delay) = (driver.is_none(), Odometer::default(), Delay::default());
         self.check(&moved, 0, here)?;
         let (pose, placed) = (ego.state.pose, moved.ego);
-        let turned = wrap_angle(placed.yaw - pose.yaw);
-        let off = [placed.x - pose.x, placed.y - pose.y, turned, placed.speed - ego.state.speed];
-        match off.iter().any(|off| off.abs() > PLACED) {
-            true => Err(Fault::Answer("the car is not where, or not as fast as, it was told to be")),
+        let apart = libm::hypot(placed.x - pose.x, placed.y - pose.y);
+        let (turned, faster) = (wrap_angle(placed.yaw - pose.yaw), placed.speed - ego.state.speed);
+        match [apart, turned, faster].iter().any(|off| off.abs() > PLACED) {
+            true => Err(Fault::Placed {
+                millimetres: millimetres(apart),
+                degrees: turned.to_degrees().round() as i32,
+                faster: (faster * 10.0).round() as i32,
+            }),
             false => Ok(()),
         }
     }
@@ -116,14 +160,15 @@ impl Bridge {
         if self.peer.is_none() {
             let map = self.world.map(&scenario.town).map_err(|_| Fault::NoMap)?;
             self.load = load(scenario, &map, &lanes);
-            let (peer, has_town) = self.world.take(&self.load);
-            self.peer = Some(peer);
-            if has_town {
+            if let Some(idle) = self.world.take(&self.load) {
+                (self.peer, self.has_braked) = (Some(idle.peer), idle.has_braked);
                 return Ok(None);
             }
+            self.peer = Some(self.world.peer());
         }
         let Some(peer) = &mut self.peer else { return Err(Fault::NotStarted) };
         peer.forgive();
+        self.has_braked = false;
         peer.ready(message::hello, &message::GREETING, |line| message::read_greeting(line).map(|_| ()))?;
         let loaded = peer.exchange(&self.load, self.world.start_timeout, &mut self.answer, read_loaded);
         let loaded = loaded.map_err(Fault::at_start)?;
@@ -174,7 +219,7 @@ impl Bridge {
         let speed = if speed.abs() < STANDING { 0.0 } else { speed };
         let moved = VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age };
         let control = self.is_ours.then_some(control);
-        self.odometer.add([state, &next, &moved], (car, control), (here.dt, self.tolerance()))?;
+        self.odometer.add([state, &next, &moved], (car, control), (here.dt, self.tolerance(), self.pedal_delay()))?;
         Ok(moved)
     }
 
@@ -204,6 +249,11 @@ impl Bridge {
     /// How far from where it is told the world may place an actor (m).
     fn tolerance(&self) -> f64 {
         self.world.abilities.as_ref().map_or(0.0, |abilities| abilities.tolerance)
+    }
+
+    /// How late the car of the world may follow its pedals (s).
+    fn pedal_delay(&self) -> f64 {
+        self.world.abilities.as_ref().map_or(0.0, |abilities| abilities.pedal_delay)
     }
 
     fn ask<T>(

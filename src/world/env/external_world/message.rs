@@ -25,6 +25,9 @@ pub(super) fn hello() -> Vec<u8> {
 /// How far from where it is told a world may say that it places a pedestrian (m).
 const MAX_TOLERANCE: f64 = 0.5;
 
+/// How late a world may say that its car follows the pedals (s).
+const MAX_PEDAL_DELAY: f64 = 0.5;
+
 /// Maximum length of its name (bytes).
 const MAX_NAME: usize = 60;
 
@@ -45,6 +48,9 @@ pub struct Abilities {
     /// How far from where it is told it may place a pedestrian, and by how much a car may jump in a tick (m), up to half a metre; 1 cm and 0.1 m without it.
     #[serde(default)]
     pub tolerance: f64,
+    /// How late its car follows the pedals (s), beside a tenth of a second: up to half a second, in which an actuator waits or a brake builds up pressure.
+    #[serde(default)]
+    pub pedal_delay: f64,
     /// Whether the friction of the road can be set.
     #[serde(default)]
     pub friction: bool,
@@ -64,13 +70,14 @@ const TEXT: fn(&Value) -> bool = Value::is_string;
 const BOOLEAN: fn(&Value) -> bool = Value::is_boolean;
 
 /// The keys of a greeting.
-pub(super) const GREETING: [KeyOf; 9] = [
+pub(super) const GREETING: [KeyOf; 10] = [
     ("protocol", "a text", TEXT),
     ("name", "a text", TEXT),
     ("version", "a text", TEXT),
     ("drivers", "a list of texts", |value| value.as_array().is_some_and(|list| list.iter().all(TEXT))),
     ("controls", "true or false", BOOLEAN),
     ("tolerance", "a number", Value::is_number),
+    ("pedal_delay", "a number", Value::is_number),
     ("friction", "true or false", BOOLEAN),
     ("lights", "true or false", BOOLEAN),
     ("seeds", "true or false", BOOLEAN),
@@ -89,6 +96,10 @@ pub(super) fn read_greeting(line: &[u8]) -> Result<Abilities, Fault> {
     })?;
     if !(0.0..=MAX_TOLERANCE).contains(&abilities.tolerance) {
         let why = "a `tolerance` that is not between 0 and 0.5: in m, how far from where it is told a pedestrian may be, and half a metre decides whether a car touches it";
+        return Err(Fault::Greeting(why));
+    }
+    if !(0.0..=MAX_PEDAL_DELAY).contains(&abilities.pedal_delay) {
+        let why = "a `pedal_delay` that is not between 0 and 0.5: in s, how late the car follows its pedals";
         return Err(Fault::Greeting(why));
     }
     if abilities.protocol != PROTOCOL {

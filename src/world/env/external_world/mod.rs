@@ -67,6 +67,8 @@ struct Loaded {
     peer: Peer,
     /// The message with the town.
     load: Vec<u8>,
+    /// Whether its brake was tried.
+    has_braked: bool,
 }
 
 /// Maximum number of idle programs: MetaDrive takes 0.3 GB, and seconds to load a town.
@@ -101,11 +103,8 @@ impl ExternalWorld {
                 abilities = Some(message::read_greeting(line)?);
                 Ok(())
             };
-            Peer::new(opener.clone(), program.clone(), start_timeout).ready(
-                message::hello,
-                &message::GREETING,
-                greeted,
-            )?;
+            let mut peer = Peer::new(opener.clone(), program.clone(), start_timeout);
+            peer.ready(message::hello, &message::GREETING, greeted)?;
         }
         Ok(Self { program, opener, timeout, start_timeout, write_map, idle: Arc::default(), abilities })
     }
@@ -118,13 +117,16 @@ impl ExternalWorld {
         Bridge::new(self.clone()).start(scenario)
     }
 
-    /// An idle program that has loaded what this message says, or a new one.
-    fn take(&self, load: &[u8]) -> (Peer, bool) {
+    /// An idle program that has loaded what this message says.
+    fn take(&self, load: &[u8]) -> Option<Loaded> {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        match idle.iter().position(|other| other.load == load) {
-            Some(place) => (idle.remove(place).peer, true),
-            None => (Peer::new(self.opener.clone(), self.program.clone(), self.start_timeout), false),
-        }
+        let place = idle.iter().position(|other| other.load == load)?;
+        Some(idle.remove(place))
+    }
+
+    /// A new program.
+    fn peer(&self) -> Peer {
+        Peer::new(self.opener.clone(), self.program.clone(), self.start_timeout)
     }
 
     /// Keeps a program for later episodes, instead of the one that has been idle longest.
