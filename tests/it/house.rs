@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_537),
     ("src/learn", 5_524),
-    ("src/world", 38_257),
+    ("src/world", 38_383),
     ("src/ported", 4_642),
     ("src/lang", 6_542),
-    ("src/compile", 8_335),
+    ("src/compile", 8_342),
     ("src/process", 880),
     ("src/export", 3_824),
-    ("src/results", 26_563),
-    ("src/program", 12_925),
-    ("tests", 29_393),
+    ("src/results", 26_586),
+    ("src/program", 12_951),
+    ("tests", 29_470),
 ];
 
 /// Crates that only some places may name.

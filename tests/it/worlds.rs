@@ -13,6 +13,10 @@ fn has_python() -> bool {
     found
 }
 
+fn world_with(fault: &str) -> String {
+    format!("python3 {} {fault}", top("tests/external/world.py"))
+}
+
 fn top(path: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path).display().to_string()
 }
@@ -40,8 +44,10 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
         code == Some(0) && text.contains("it has no friction of the road, no traffic lights for its drivers, no seeds"),
         "{text}"
     );
+    let (code, text) = check(&format!("python3 {} declared", top("tests/external/world.py")));
+    assert!(code == Some(0) && text.contains("it follows its pedals up to 0.3 s late"), "{text}");
     for (fault, message) in [
-        ("mirrored", "in episode 0 it turned the car by -2° in about 2 s, and its control by 2°, positive to the left"),
+        ("mirrored", "in episode 0 it turned the car by -3° in about 2 s, and its control by 1°, positive to the left"),
         ("no_right", "carry out `wheel_angle`, in rad, or `steer`, in the tick that they come with"),
         ("mirrored_fast", "speeds up, steers and brakes as it is told: it turned the car by -"),
         ("half_tick", "that is not in m/s, or a step not a tick"),
@@ -53,14 +59,15 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
         ("elsewhere", "it moved a pedestrian to 20 mm from where it was told"),
         ("ends", "it ended the episode before it was over"),
         ("straight", "it turned the car by 0° in about 2 s, and its control by 4°"),
-        ("weak_steer", "it turned the car by 0° in about 2 s, and its control by 4°"),
-        ("strong_steer", "it turned the car by 7° in about 2 s, and its control by 4°"),
-        ("no_brake", "it changed the speed of the car by +0.0 m/s in about 2 s, and its control by -"),
-        ("weak_brake", "carry out `acceleration`, or `throttle` and `brake`, in the tick that they come with"),
-        ("tenth", "carry out `acceleration`, or `throttle` and `brake`, in the tick that they come with"),
+        ("weak_steer", "it turned the car by 1° in about 2 s, and its control by 5°"),
+        ("strong_steer", "it turned the car by 14° in about 2 s, and its control by 9°"),
+        ("no_brake", "it slowed the car by 0.0 m/s while its brake was on, and its brake by "),
+        ("weak_brake", "carry out `acceleration` or `brake` in the tick that it comes with, or state `pedal_delay`"),
+        ("tenth", "while its brake was on"),
+        ("mild_brake", "while its brake was on"),
         (
             "late_control",
-            "brakes as it is told: it changed the speed of the car by +0.0 m/s in about 2 s, and its control by -1.0 m/s: carry out `acceleration`, or `throttle` and `brake`, in the tick that they come with",
+            "runs 4 episodes of a driver of ours to their end: in episode 0 it slowed the car by 0.0 m/s while its brake was on, and its brake by 0.3 m/s",
         ),
         ("late", "it puts pedestrians where they were to be 1 tick earlier"),
         ("later", "it puts pedestrians where they were to be 3 ticks earlier"),
@@ -155,6 +162,20 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let sum = |column: &str| rows.iter().map(|row| row[column].as_u64().unwrap()).sum::<u64>();
     assert!(sum("old_faults") <= 1 && sum("failures") == sum("old_faults") + 1, "one near miss: {rows:?}");
     assert_eq!((sum("turned_faults"), sum("failed_encounters")), (0, 0), "our kinematics: {rows:?}");
+    let mild = said(
+        &[
+            "recheck",
+            "--allow-external",
+            "out/two_worlds",
+            "--world",
+            &world_with("mild_brake"),
+            "--fail-if",
+            "still_faults > 99",
+        ],
+        place.path(),
+    );
+    assert!(mild.0 == Some(5) && mild.1.contains("still_faults > 99: episodes in error in idm in "), "{mild:?}");
+    assert!(mild.1.contains("errors") && mild.1.contains("nothing is known of them"), "{mild:?}");
     let crash = format!("python3 {} crash", top("tests/external/world.py"));
     for gate in [&[][..], &["--fail-if", "failed_encounters > 0"], &["--fail-if", "still_faults > 99"]] {
         let arguments = [&["recheck", "--allow-external", "out/two_worlds", "--world", &crash], gate].concat();
@@ -169,6 +190,26 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     assert!(code == Some(2) && text.contains(reason), "{text}");
     let (code, text) = said(&[&arguments[..], &["--only", "1a2b3c4d:0"]].concat(), place.path());
     assert!(code == Some(2) && text.contains("has no collision and no near miss 1a2b3c4d:0"), "{text}");
+}
+
+#[test]
+fn a_comparison_says_which_episodes_were_in_error_and_its_gate_fails() {
+    if !has_python() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
+    let half = world_with("ends_near");
+    let scenario = scenario.replace("python3 my_world.py\", files: [\"my_world.py\"]", &format!("{half}\""));
+    std::fs::write(place.path().join("two.scn"), scenario.replace("../lib", "std")).unwrap();
+    let (code, text) = said(&["run", "--allow-external", "--out", "out", "two.scn"], place.path());
+    assert!(code == Some(5) && text.contains("episodes are in error"), "{text}");
+    let compare = ["compare", "out/two_worlds", "--worlds", "here", "mine"];
+    let (code, text) = said(&compare, place.path());
+    let error = "the first is ";
+    assert!(code == Some(0) && text.contains("episodes in error") && text.contains(error), "{text}");
+    let (code, text) = said(&[&compare[..], &["--fail-if", "fault_rate_difference > 0.9"]].concat(), place.path());
+    assert!(code == Some(7) && text.contains("--fail-if: episodes in error"), "{text}");
 }
 
 #[test]

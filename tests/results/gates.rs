@@ -52,6 +52,7 @@ fn of_gate(cells: &DataFrame, gate: &Gate) -> String {
         Judged::NotTested(_) => 'N',
         Judged::NotMet { all: true, .. } => 'A',
         Judged::NotMet { .. } => 'u',
+        Judged::InError(_) => 'E',
         Judged::Elsewhere => 'e',
     };
     gate.judge(cells).iter().map(letter).collect()

@@ -136,7 +136,13 @@ pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Result<
         things: "search",
         is_idle: false,
     };
-    condition::judge(conditions, [cells, searches], "comparison")
+    let mut failed = condition::judge(conditions, [cells, searches], "comparison")?;
+    let errors = comparison.caveats.iter().find(|caveat| matches!(caveat, Caveat::Errors { .. }));
+    if let Some(errors) = errors.filter(|_| failed.is_empty() && !conditions.is_empty()) {
+        console::fail(&format!("--fail-if: {errors}"));
+        failed.push(errors.to_string());
+    }
+    Ok(failed)
 }
 
 /// Compares two reports, or two drivers, or two simulators, over the starts that they share.

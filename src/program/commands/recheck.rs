@@ -20,7 +20,9 @@ use crate::cli::progress::Showing;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::seconds;
 use driver_pairs::DriverPair;
-use results::report::{self, CrossedStarts, Encounter, FailureChange, Recheck, RecheckNote, RecheckedFailures};
+use results::report::{
+    self, CrossedStarts, Encounter, Encounters, FailureChange, Judged, Recheck, RecheckNote, RecheckedFailures,
+};
 use world::cause::explain_any;
 
 /// Maximum number of encounters in each list for people.
@@ -135,14 +137,20 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
 /// Judges a recheck and reports which conditions are true.
 fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
     let failures = Subject {
-        judge: &|gate| gate.judge(&report::rechecked_table().frame(&recheck.failures)),
+        judge: &|gate| {
+            let judged = gate.judge(&report::rechecked_table().frame(&recheck.failures));
+            unless_in_error(judged, recheck.failures.iter().map(|row| &row.encounters))
+        },
         titles: recheck.failures.iter().map(RecheckedFailures::title).collect(),
         things: "failures",
         // A report without failures has none that could be there still.
         is_idle: recheck.failures.is_empty(),
     };
     let crossings = Subject {
-        judge: &|gate| gate.judge(&report::crossed_table().frame(&recheck.crossings)),
+        judge: &|gate| {
+            let judged = gate.judge(&report::crossed_table().frame(&recheck.crossings));
+            unless_in_error(judged, recheck.crossings.iter().map(|row| &row.encounters))
+        },
         titles: recheck.crossings.iter().map(CrossedStarts::title).collect(),
         things: "fixed list",
         is_idle: false,
@@ -188,6 +196,15 @@ fn tell_causes(failed: &[String], recheck: &Recheck) {
         };
         console::note(&format!("{name}: {why}"));
     }
+}
+
+/// What a gate finds in rows; one with episodes in error does not pass.
+fn unless_in_error<'a>(judged: Vec<Judged>, rows: impl Iterator<Item = &'a Encounters>) -> Vec<Judged> {
+    let known = |(judged, row): (Judged, &Encounters)| match (judged.fails(), row.errors()) {
+        (false, errors @ 1..) if judged != Judged::Elsewhere => Judged::InError(errors),
+        _ => judged,
+    };
+    judged.into_iter().zip(rows).map(known).collect()
 }
 
 /// Makes an object of a recheck, for programs.

@@ -71,6 +71,14 @@ pub enum Caveat {
         /// All episodes of the matched runs of both.
         all: u64,
     },
+    /// Episodes of matched runs that ended in an error.
+    #[error("episodes in error, which are left out, and of which nothing is known: {episodes}; the first is {first}")]
+    Errors {
+        /// Their number in both reports.
+        episodes: u64,
+        /// The name of the first, and why it failed.
+        first: String,
+    },
     /// Searches with other starts.
     #[error(
         "{searches} searches have other starts on the other side, or come from an earlier version, and are left out"

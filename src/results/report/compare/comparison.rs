@@ -102,7 +102,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     let cells = grouped(pairs, |one, other| one[0].key.cell == other[0].key.cell);
     let (mut compared, mut changes) = (Vec::<ComparedCell>::new(), Vec::new());
     let mut pools: Vec<Pool> = Vec::new();
-    let (mut unpaired, mut all) = (0, 0);
+    let (mut unpaired, mut all, mut errors) = (0, 0, (0, None::<String>));
     for cell in &cells {
         let mut found = ComparedCell {
             keys: cell[0].each_ref().map(|run| run.key.cell.clone()),
@@ -138,6 +138,12 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             };
             let tables =
                 [EpisodeTable::new(&a).map_err(broken(&before))?, EpisodeTable::new(&b).map_err(broken(&after))?];
+            for (table, run) in tables.iter().zip([first, second]) {
+                for (row, error) in table.rows().filter_map(|row| Some((row, table.error(row)?))) {
+                    let name = || format!("{}:{}: {error}", run.key.id, table.episode(row));
+                    (errors.0, errors.1) = (errors.0 + 1, errors.1.or_else(|| Some(name())));
+                }
+            }
             let mut rows = common(&tables, [&a, &b]).map_err(broken(&before))?;
             all += (a.height() + b.height()) as u64;
             unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
@@ -225,6 +231,9 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     }
     if unpaired > 0 {
         notes.push(Caveat::Unpaired { episodes: unpaired, all });
+    }
+    if let (episodes, Some(first)) = errors {
+        notes.push(Caveat::Errors { episodes, first });
     }
     if apart > 0 {
         notes.push(Caveat::SearchStarts { searches: apart });

@@ -103,6 +103,8 @@ pub enum Judged {
     /// The condition is about old failures, of which the new driver did not meet this number. That is worth a warning, and the gate fails if no row has one
     /// that it met.
     NotMet { failures: u64, all: bool },
+    /// The condition is false, and this number of episodes of the row ended in an error, so the gate fails.
+    InError(u64),
     /// The condition is about a probability that this number of common starts could not give, whatever happens in them. It could never be true, so
     /// the gate fails.
     TooFewStarts(u64),
@@ -148,6 +150,9 @@ impl Judged {
                 "the new driver did not meet {failures} of the failures{place}: nothing is known of them{}",
                 if *all { ", nor of any other" } else { "" }
             ),
+            Self::InError(episodes) => {
+                format!("episodes in error{place}: {episodes}; nothing is known of them")
+            }
             Self::NotTested(cases) => format!("cases of the test without a result at the test speed{place}: {cases}"),
             Self::NothingEvaluated => format!("nothing was evaluated{place}, so nothing can be judged"),
             Self::OffRoad(share) => format!(

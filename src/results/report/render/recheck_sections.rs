@@ -39,7 +39,7 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
 fn failures(rows: &[RecheckedFailures]) -> Table {
     let mut head = vec![Column::text("driver"), Column::text("town"), Column::text("found in"), Column::text("by")];
     head.extend(
-        ["failures", "faults", "still faults", "turned faults", "still collisions", "gone", "not met"]
+        ["failures", "faults", "still faults", "turned faults", "still collisions", "gone", "not met", "errors"]
             .map(Column::number),
     );
     let row = |row: &RecheckedFailures| {
@@ -56,6 +56,7 @@ fn failures(rows: &[RecheckedFailures]) -> Table {
             count(|_, after| after.is_collision()),
             count(is_gone),
             count(is_not_met),
+            Value::Count(row.encounters.errors()),
         ]
     };
     Table { head, rows: rows.iter().map(row).collect(), ..Table::default() }
