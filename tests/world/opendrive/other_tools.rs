@@ -421,7 +421,7 @@ fn leaps_overlaps_and_gaps_of_geometries_are_named() {
     assert_eq!(
         arc("1"),
         [
-            "the bend at 290 m has a radius of 1 m, and the centre of lane 1 is 1.75 m inside it: cars drive backwards there"
+            "the bend at 290 m has a radius of 1 m, and the centre of lane 1 is farther inside it: cars drive backwards there"
         ]
     );
     let gap = drawn(&[(0.0, 0.0, 100.0), (200.0, 200.0, 100.0)]);

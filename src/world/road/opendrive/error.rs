@@ -103,9 +103,9 @@ pub enum OpenDriveProblem {
     )]
     Kink { degrees: u32, at: String },
     #[error(
-        "the bend at {at} m has a radius of {radius} m, and the centre of lane {lane} is {inside} m inside it: cars drive backwards there"
+        "the bend at {at} m has a radius of {radius} m, and the centre of lane {lane} is farther inside it: cars drive backwards there"
     )]
-    TightBend { at: String, radius: String, lane: LaneId, inside: String },
+    TightBend { at: String, radius: String, lane: LaneId },
     #[error("the heading is {heading} rad, more than two full turns: is it in degrees? Drawn as given")]
     ManyTurns { heading: String },
     #[error("`{element}` is at {s} m, and its road is {length} m long; it counts at the nearer end")]

@@ -144,9 +144,8 @@ fn tight_bend(road: &Road) -> Option<OpenDriveProblem> {
         road.sections_at(s).find_map(|section| {
             let driving = road.sections[section].lanes.iter().filter(|lane| lane.kind == LaneKind::Driving);
             let inside = |lane: &Lane| Some((lane.id, road.lane_centre(section, lane.id, s)?.0));
-            let (lane, beside) = driving.filter_map(inside).find(|(_, beside)| curvature * beside > 1.0)?;
-            let (at, radius, inside) = (metres(s), metres(1.0 / curvature.abs()), metres(beside.abs()));
-            Some(OpenDriveProblem::TightBend { at, radius, lane, inside })
+            let (lane, _) = driving.filter_map(inside).find(|(_, beside)| curvature * beside > 1.0)?;
+            Some(OpenDriveProblem::TightBend { at: metres(s), radius: metres(1.0 / curvature.abs()), lane })
         })
     })
 }
