@@ -152,7 +152,8 @@ fn met_again(
             met.has_other_start = true;
             continue;
         }
-        let after = Met { is_missed, ..end(scenario, &outcome, &trace) };
+        let after = end(scenario, &outcome, &trace);
+        let after = Met { is_missed: is_missed || after.is_missed, ..after };
         let incident = incident(with_new, after, recorded_commands(&trace), start);
         met.encounters.push((walked_by, encounter(failure, old.map(|(_, old)| old), after, incident)));
     }

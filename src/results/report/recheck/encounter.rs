@@ -13,7 +13,8 @@ pub struct Met {
     pub fault: bool,
     /// Whether the driver or the controller failed as a program.
     pub error: bool,
-    /// Whether nobody was touched, and nobody would be if the driver saw no pedestrian: its own way and speed let them miss each other.
+    /// Whether nobody was touched, and nobody would be if the driver saw no pedestrian: its own way and speed let them miss each other. The end of an episode
+    /// that is left out, since the car left the road or the map, says nothing of a touch either.
     pub is_missed: bool,
 }
 
@@ -41,11 +42,14 @@ impl Met {
     /// The end of an episode.
     pub fn new(judged: &Judged) -> Self {
         let outcome = &judged.outcome;
+        let error = outcome.fault().is_some();
+        if error || outcome.left_out.is_some() {
+            return Self { error, is_missed: !error, ..Self::default() };
+        }
         Self {
             impact_speed: outcome.impact_speed().filter(|_| outcome.is_collision()),
             fault: judged.is(Criterion::Collision, Blame::Fault),
-            error: outcome.fault().is_some(),
-            is_missed: false,
+            ..Self::default()
         }
     }
 
@@ -140,5 +144,25 @@ impl Encounters {
     /// The number of encounters whose ends are so; `None` if the old driver was not run.
     pub fn count(&self, is: impl Fn(&Met, &Met) -> bool) -> Option<u64> {
         self.has_before().then(|| self.ends().filter(|(before, after)| is(before, after)).count() as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::tests::row;
+    use world::env::{Ending, LeftOut};
+
+    #[test]
+    fn an_episode_that_is_left_out_is_not_met() {
+        let hit = Ending::Touch { pedestrian: 0, front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
+        for ending in [hit, Ending::Timeout] {
+            let mut judged = row(0, ending).judged;
+            let met = Met::new(&judged);
+            assert_eq!((met.is_collision(), met.is_missed), (judged.outcome.is_collision(), false));
+            judged.outcome.left_out = Some(LeftOut::OffRoad);
+            let met = Met::new(&judged);
+            assert_eq!((met.is_collision(), met.fault, met.error, met.is_missed), (false, false, false, true));
+        }
     }
 }
