@@ -85,7 +85,7 @@ class Walker:
     def check(self, env: Any) -> None:
         """Compare its training, as far as its file says, with an environment of :func:`falsify_av.make` or ``make_vec``.
 
-        A network of one pedestrian, as ``shared`` trainings write, then moves each pedestrian of a cast by itself.
+        A network of one pedestrian, as trainings with ``policies`` write, then moves each pedestrian of a cast by itself.
 
         Raises:
             ValueError: Its states or actions have other frames or units than those of the environment, as in a campaign with another ``body``.

@@ -182,16 +182,11 @@ impl Roles {
         self.pedestrians.iter().filter(|each| each.place.is_none()).count() > 1
     }
 
-    /// How many pedestrians the campaign's controllers move.
-    pub fn agents(&self) -> usize {
-        self.pedestrians.iter().filter(|each| each.controller == Controller::External).count().max(1)
-    }
-
-    /// The numbers of a state of the campaign's controllers, if its pedestrian is this one.
-    pub fn obs_dim(&self, usual: &PedestrianRole) -> usize {
+    /// How many numbers the state of each pedestrian has that the campaign's controllers move, if its pedestrian is this one.
+    pub fn states(&self, usual: &PedestrianRole) -> Vec<usize> {
         match self.is_empty() {
-            true => usual.observation.dim(),
-            false => self.controlled(usual).map(|each| each.observation.dim()).sum(),
+            true => vec![usual.observation.dim()],
+            false => self.controlled(usual).map(|each| each.observation.dim()).collect(),
         }
     }
 

@@ -12,8 +12,13 @@ pub fn form() -> Form {
     Form::of_kinds("training", doc, vec![PpoConfig::signature()])
 }
 
-/// Reads the networks of the key `from`, for pedestrians with this number of numbers of a state and two of an action; reports what is wrong.
-pub fn read_networks(declaration: &Declaration, config: &mut PpoConfig, state: usize, lowering: &mut Lowering<'_>) {
+/// Reads the networks of the key `from`, for policies with these numbers of numbers of a state and an action; reports what is wrong.
+pub fn read_networks(
+    declaration: &Declaration,
+    config: &mut PpoConfig,
+    sizes: &[(usize, usize)],
+    lowering: &mut Lowering<'_>,
+) {
     let block = &declaration.block;
     let Some(path) = config.from.as_ref().map(|from| from.path.clone()) else { return };
     let mut is_missing = false;
@@ -23,7 +28,8 @@ pub fn read_networks(declaration: &Declaration, config: &mut PpoConfig, state: u
     });
     let read = bytes.and_then(|bytes| ActorCritic::from_safetensors(&bytes).map_err(|error| error.to_string()));
     let fitting = read.and_then(|(networks, _)| {
-        config.accepts(&networks, state, 2).map_err(|error| error.to_string())?;
+        let accepted = sizes.iter().try_for_each(|(state, action)| config.accepts(&networks, *state, *action));
+        accepted.map_err(|error| error.to_string())?;
         Ok(Arc::new(networks))
     });
     let unusable = |reason: String| diagnostics::unusable_model(block.place("from"), &path, &reason, is_missing);

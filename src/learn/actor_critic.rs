@@ -122,6 +122,12 @@ impl<T: Real> ActorCritic<T> {
         &self.parameters[self.critic_range().end..]
     }
 
+    /// Returns the mean over the action's components of the standard deviation.
+    pub(super) fn mean_std(&self) -> f64 {
+        let log_std = self.log_std();
+        log_std.iter().map(|log_std| libm::exp(log_std.widened())).sum::<f64>() / log_std.len() as f64
+    }
+
     /// Returns the moments that observations are normalised with before the networks see them, if any.
     pub fn observation_moments(&self) -> Option<&RunningMoments> {
         self.observation_moments.as_ref()
@@ -165,12 +171,6 @@ impl<T: Real> ActorCritic<T> {
         for (out, mean) in out.iter_mut().zip(mean) {
             *out = mean.widened();
         }
-    }
-
-    /// Calls `each` with the number and the mean action of every input of a batch (obs_dim × batch): the bits of [`ActorCritic::mean`].
-    pub(super) fn means(&self, inputs: &[T], scratch: &mut MlpScratch<T>, mut each: impl FnMut(usize, &[T])) {
-        let means = self.actor.forward_each(&self.parameters[self.actor_range()], inputs, scratch);
-        means.chunks_exact(self.action_dim()).enumerate().for_each(|(i, mean)| each(i, mean));
     }
 
     /// Draws an action for one observation into `out`, not clipped to any bounds.

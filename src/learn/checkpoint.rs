@@ -51,6 +51,14 @@ pub enum CheckpointError {
         /// The first setting that differs.
         name: String,
     },
+    /// The training has another number of policies.
+    #[error("it has {found} policies, and this training has {expected}")]
+    Policies {
+        /// Those of the file.
+        found: usize,
+        /// Those of the training.
+        expected: usize,
+    },
     /// An environment cannot continue from its saved state.
     #[error("environment {env} does not accept its saved state")]
     Env {
@@ -126,6 +134,32 @@ impl ActorCritic {
         *this.observation_moments_mut() = moments;
         Ok(this)
     }
+}
+
+/// Adds what there is of each policy to a file: that of the first one, and of each other one as a file within it.
+pub(super) fn write_each<T>(writer: &mut Writer, each: &[T], write: impl Fn(&T, &mut Writer)) {
+    for (number, one) in each.iter().enumerate() {
+        match number {
+            0 => write(one, writer),
+            _ => {
+                let mut own = Writer::default();
+                write(one, &mut own);
+                writer.vector(&format!("policy.{number}"), &own.finish(&BTreeMap::new()));
+            }
+        }
+    }
+}
+
+/// Reads what [`write_each`] wrote.
+pub(super) fn read_each<T>(
+    tensors: &SafeTensors<'_>,
+    read_one: impl Fn(&SafeTensors<'_>) -> Result<T, CheckpointError>,
+) -> Result<Vec<T>, CheckpointError> {
+    let mut each = vec![read_one(tensors)?];
+    while let Ok(file) = tensors.tensor(&format!("policy.{}", each.len())) {
+        each.push(read_one(&SafeTensors::deserialize(file.data()).map_err(CheckpointError::Format)?)?);
+    }
+    Ok(each)
 }
 
 /// Adds running moments to a file.

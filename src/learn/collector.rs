@@ -8,10 +8,9 @@ use rayon::prelude::*;
 use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
 use super::config::PpoConfig;
-use super::env::Env;
+use super::env::{Agent, Env};
 use super::lane::Lane;
 use super::log::FinishedEpisode;
-use super::mlp::MlpScratch;
 use super::moments::RunningMoments;
 use super::rollout::Rollout;
 use super::train_error::Quantity;
@@ -28,11 +27,8 @@ const STATISTICS_WINDOW: usize = 100;
 pub(super) struct Collector {
     pub(super) lanes: Vec<Lane>,
     pub(super) recent: VecDeque<FinishedEpisode>,
-    /// The moments of the discounted sums of rewards, when rewards are normalised.
-    pub(super) return_moments: Option<RunningMoments>,
-    /// The inputs of the networks for all environments in one step (obs_dim × environments).
-    inputs: Vec<f32>,
-    actor: MlpScratch<f32>,
+    /// The moments of the discounted sums of rewards of each policy, when rewards are normalised.
+    pub(super) return_moments: Vec<RunningMoments>,
     gamma: f64,
     lambda: f64,
     path: Path,
@@ -44,35 +40,45 @@ pub(super) struct Collector {
 
 impl Collector {
     /// Makes a collector that precedes the first episode of every environment; `noise` is that of the actions.
-    pub(super) fn new<E: Env>(envs: &[E], policy: &ActorCritic, config: &PpoConfig, noise: &Seed, path: Path) -> Self {
-        let chunk = config.batch_size.min(config.steps_per_update);
-        let lane = |(i, env)| Lane::new(env, policy, config.frame_stack, chunk, noise.index(i).stream());
+    pub(super) fn new<E: Env>(
+        envs: &[E],
+        policies: &[ActorCritic],
+        config: &PpoConfig,
+        noise: &Seed,
+        path: Path,
+    ) -> Self {
+        let sizes = (config.frame_stack, config.batch_size.min(config.steps_per_update));
         let agents = agents(envs);
-        let each = envs.iter().flat_map(|env| std::iter::repeat_n(env, agents));
+        let each = envs.iter().flat_map(|env| agents.iter().map(move |agent| (env, agent)));
+        let lane = |(i, (env, agent)): (u64, (&E, &Agent))| {
+            Lane::new(env, agent, &policies[agent.policy], sizes, noise.index(i).stream())
+        };
         Self {
             lanes: (0..).zip(each).map(lane).collect(),
             recent: VecDeque::with_capacity(STATISTICS_WINDOW + 1),
-            return_moments: config.normalize_rewards.then(|| RunningMoments::new(1)),
-            inputs: Vec::with_capacity(policy.obs_dim() * envs.len()),
-            actor: MlpScratch::new(policy.actor(), envs.len()),
+            return_moments: policies
+                .iter()
+                .filter(|_| config.normalize_rewards)
+                .map(|_| RunningMoments::new(1))
+                .collect(),
             gamma: config.gamma,
             lambda: config.gae_lambda,
             path,
             threads: config.threads.unwrap_or(usize::MAX),
-            agents,
+            agents: agents.len(),
         }
     }
 
     /// Starts an episode in every environment.
-    pub(super) fn begin<E: Env>(&mut self, envs: &mut [E], policy: &mut ActorCritic) -> Result<(), Quantity> {
+    pub(super) fn begin<E: Env>(&mut self, envs: &mut [E], policies: &mut [ActorCritic]) -> Result<(), Quantity> {
         for (env, lanes) in envs.iter_mut().zip(self.lanes.chunks_mut(self.agents)) {
             Lane::begin(lanes, env)?;
         }
-        observe(policy, &self.lanes);
+        observe(policies, &self.lanes);
         Ok(())
     }
 
-    /// Fills one rollout for every environment with the policy's experience, including advantages and returns. Returns the
+    /// Fills one rollout for every lane with the experience of its policy, including advantages and returns. Returns the
     /// episodes that ended; `None` if `stop` was true, which is asked before every step.
     ///
     /// # Source
@@ -81,7 +87,7 @@ impl Collector {
     pub(super) fn collect<E: Env + Send>(
         &mut self,
         envs: &mut [E],
-        policy: &mut ActorCritic,
+        policies: &mut [ActorCritic],
         rollouts: &mut [Rollout],
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Vec<FinishedEpisode>>, Quantity> {
@@ -91,28 +97,24 @@ impl Collector {
             stopped.load(Ordering::Relaxed)
         };
         let (steps, gamma, lambda, path) = (rollouts[0].len(), self.gamma, self.lambda, self.path);
-        self.lanes.iter_mut().for_each(|lane| lane.prepare(policy));
-        if self.return_moments.is_none() && policy.observation_moments().is_none() {
-            let policy = &*policy;
+        self.lanes.iter_mut().for_each(|lane| lane.prepare(&policies[lane.policy]));
+        if self.return_moments.is_empty() && policies[0].observation_moments().is_none() {
+            let policies = &*policies;
             side_by_side((self.threads, self.agents), envs, &mut self.lanes, rollouts, |env, lanes, rollouts| {
                 for t in 0..steps {
                     if is_stopped() {
                         return;
                     }
-                    for (lane, rollout) in lanes.iter_mut().zip(&mut *rollouts) {
-                        let input = lane.look(policy, rollout, t);
-                        lane.ask(policy, input);
-                    }
-                    if let Err(quantity) = Lane::step(lanes, env, rollouts, t, gamma) {
+                    if let Err(quantity) = Lane::step(lanes, env, policies, rollouts, t, gamma) {
                         lanes[0].failure = Some((t, quantity));
                         return;
                     }
                     for (lane, rollout) in lanes.iter_mut().zip(&mut *rollouts) {
-                        lane.settle(policy, rollout, t, lane.earned, gamma);
+                        lane.settle(&policies[lane.policy], rollout, t, lane.earned, gamma);
                     }
                 }
                 for (lane, rollout) in lanes.iter_mut().zip(rollouts) {
-                    lane.finish(policy, rollout, gamma, lambda, path);
+                    lane.finish(&policies[lane.policy], rollout, gamma, lambda, path);
                 }
             });
             self.failure()?;
@@ -121,45 +123,38 @@ impl Collector {
                 if is_stopped() {
                     return Ok(None);
                 }
-                self.think(policy, rollouts, t);
+                let now = &*policies;
                 side_by_side((self.threads, self.agents), envs, &mut self.lanes, rollouts, |env, lanes, rollouts| {
-                    lanes[0].failure = Lane::step(lanes, env, rollouts, t, gamma).err().map(|quantity| (t, quantity));
+                    let step = Lane::step(lanes, env, now, rollouts, t, gamma);
+                    lanes[0].failure = step.err().map(|quantity| (t, quantity));
                 });
                 self.failure()?;
-                observe(policy, &self.lanes);
-                self.settle(policy, rollouts, t);
+                observe(policies, &self.lanes);
+                self.settle(policies, rollouts, t);
             }
+            let policies = &*policies;
             side_by_side((self.threads, self.agents), envs, &mut self.lanes, rollouts, |_, lanes, rollouts| {
                 for (lane, rollout) in lanes.iter_mut().zip(rollouts) {
-                    lane.finish(policy, rollout, gamma, lambda, path);
+                    lane.finish(&policies[lane.policy], rollout, gamma, lambda, path);
                 }
             });
         }
         Ok((!stopped.into_inner()).then(|| self.finished()))
     }
 
-    /// Asks the actor for the means of the next actions of all environments at once.
-    fn think(&mut self, policy: &ActorCritic, rollouts: &mut [Rollout], t: usize) {
-        self.inputs.clear();
-        for (lane, rollout) in self.lanes.iter().zip(rollouts) {
-            self.inputs.extend_from_slice(lane.look(policy, rollout, t));
-        }
-        let lanes = &mut self.lanes;
-        policy.means(&self.inputs, &mut self.actor, |i, mean| lanes[i].set_mean(mean));
-    }
-
     /// Records the rewards of a step, normalised if the settings ask for it.
-    fn settle(&mut self, policy: &ActorCritic, rollouts: &mut [Rollout], t: usize) {
-        if let Some(moments) = &mut self.return_moments {
-            for lane in &mut self.lanes {
-                lane.discounted = lane.discounted * self.gamma + lane.earned;
-            }
-            moments.update(self.lanes.iter().map(|lane| std::slice::from_ref(&lane.discounted)));
+    fn settle(&mut self, policies: &[ActorCritic], rollouts: &mut [Rollout], t: usize) {
+        if !self.return_moments.is_empty() {
+            self.lanes.iter_mut().for_each(|lane| lane.discounted = lane.discounted * self.gamma + lane.earned);
+        }
+        for (policy, moments) in self.return_moments.iter_mut().enumerate() {
+            let own = self.lanes.iter().filter(|lane| lane.policy == policy);
+            moments.update(own.map(|lane| std::slice::from_ref(&lane.discounted)));
         }
         for (lane, rollout) in self.lanes.iter_mut().zip(rollouts) {
-            let reward = lane.earned;
-            let reward = self.return_moments.as_ref().map_or(reward, |moments| moments.scaled(0, reward));
-            lane.settle(policy, rollout, t, reward, self.gamma);
+            let moments = self.return_moments.get(lane.policy);
+            let reward = moments.map_or(lane.earned, |moments| moments.scaled(0, lane.earned));
+            lane.settle(&policies[lane.policy], rollout, t, reward, self.gamma);
         }
     }
 
@@ -200,16 +195,19 @@ impl Collector {
     }
 }
 
-/// Adds the observations of the next decisions to the policy's statistics.
-pub(super) fn observe(policy: &mut ActorCritic, lanes: &[Lane]) {
-    if let Some(moments) = policy.observation_moments_mut() {
-        moments.update(lanes.iter().map(|lane| lane.stack.as_slice()));
+/// Adds the observations of the next decisions to the statistics of their policies.
+pub(super) fn observe(policies: &mut [ActorCritic], lanes: &[Lane]) {
+    for (number, policy) in policies.iter_mut().enumerate() {
+        if let Some(moments) = policy.observation_moments_mut() {
+            let own = lanes.iter().filter(|lane| lane.policy == number);
+            moments.update(own.map(|lane| lane.stack.as_slice()));
+        }
     }
 }
 
-/// The number of agents of an environment, which is the same for all.
-pub(super) fn agents<E: Env>(envs: &[E]) -> usize {
-    envs.first().map_or(1, Env::agents)
+/// The agents of an environment, which are the same for all.
+pub(super) fn agents<E: Env>(envs: &[E]) -> Vec<Agent> {
+    envs.first().map(Env::agents).unwrap_or_default()
 }
 
 /// Works on all environments, on at most this number of the available threads; each has this number of agents.
@@ -280,9 +278,10 @@ mod tests {
         *policy.observation_moments_mut() =
             config.normalize_observations.then(|| RunningMoments::new(config.frame_stack));
         let mut rollouts = vec![Rollout::new(config.steps_per_update, config.frame_stack, 1); envs.len()];
-        let mut collector = Collector::new(&envs, &policy, config, &Seed::root(3), Path::widest());
-        collector.begin(&mut envs, &mut policy).unwrap();
-        let finished = collector.collect(&mut envs, &mut policy, &mut rollouts, &|| false).unwrap().unwrap();
+        let policies = std::slice::from_mut(&mut policy);
+        let mut collector = Collector::new(&envs, policies, config, &Seed::root(3), Path::widest());
+        collector.begin(&mut envs, policies).unwrap();
+        let finished = collector.collect(&mut envs, policies, &mut rollouts, &|| false).unwrap().unwrap();
         (rollouts, finished, policy, envs, collector)
     }
 
@@ -386,7 +385,7 @@ mod tests {
             let expected = (1.0 / (moments.variance[0] + 1e-8).sqrt()).min(10.0);
             assert!((rollouts[1].rewards[t] - expected).abs() < 1e-9, "{t}");
         }
-        assert!((collector.return_moments.unwrap().variance[0] - moments.variance[0]).abs() < 1e-12);
+        assert!((collector.return_moments[0].variance[0] - moments.variance[0]).abs() < 1e-12);
         // The log has the environment's own rewards.
         assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3, success: false, fault: None }; 2]);
     }

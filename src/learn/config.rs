@@ -15,7 +15,18 @@ use base::{choice, keys};
 pub const ADAM_EPS: f64 = 1e-5;
 
 choice! {
-    /// What the reward of an agent is, where one policy moves several.
+    /// Which policies move several agents that see and choose for themselves.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    pub enum Policies {
+        /// One for all of them.
+        Shared = "shared",
+        /// One for each role.
+        Each = "each",
+    }
+}
+
+choice! {
+    /// What the reward of an agent is that sees and chooses for itself.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
     pub enum Credit {
         /// That of the episode, for all.
@@ -84,10 +95,12 @@ keys! {
         /// their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and
         /// `normalize_observations` must be theirs.
         from: Option<FirstNetworks> as Path,
-        /// Of a cast: one policy moves each of its trained pedestrians, which see and choose for themselves, instead of one that chooses for all at once.
-        /// Each earns what the episode does (`team`); or a touch pays the one that was touched alone (`own`); or each earns what the episode earns with
-        /// it and not without it (`removal`): the episode is run again from its start without that pedestrian.
-        shared: Option<Credit>,
+        /// Of a cast: its trained pedestrians see and choose for themselves, by one policy (`shared`) or one for each role (`each`). Without it one
+        /// policy chooses for all at once. The policies of roles learn from the same episodes, and have files of their own.
+        policies: Option<Policies>,
+        /// What each of them earns; `team` unless given. That is what the episode earns; or a touch pays the one that was touched alone (`own`); or
+        /// what the episode earns with it and not without it (`removal`): the episode is run again from its start without that pedestrian.
+        credit: Option<Credit>,
         /// Widths of the hidden layers.
         hidden: Vec<usize> as whole(1, 4096) = "[64, 64]",
     }
@@ -146,7 +159,8 @@ impl PpoConfig {
             threads: None,
             portable_bits: false,
             from: None,
-            shared: None,
+            policies: None,
+            credit: None,
             hidden: vec![64, 64],
         }
     }

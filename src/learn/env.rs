@@ -5,23 +5,23 @@
 /// The learner owns the episode: it calls [`Env::reset`] before the first step and after every step that ends an
 /// episode. An environment never resets itself, so that the last observation of an episode stays visible.
 pub trait Env {
-    /// Returns the number of agents that act at once, all by one policy, each with an observation and an action of its own.
-    fn agents(&self) -> usize {
-        1
+    /// Returns the agents that act at once; one unless given. Their observations follow each other in that of the environment, and so do their actions.
+    fn agents(&self) -> Vec<Agent> {
+        vec![Agent { policy: 0, obs_dim: self.obs_dim(), action_bounds: self.action_bounds() }]
     }
 
-    /// Returns the number of components of an observation of an agent.
+    /// Returns the number of components of an observation, over all agents.
     fn obs_dim(&self) -> usize;
 
-    /// Returns the lower and upper bound of every component of an agent's action, in the units of the action.
+    /// Returns the lower and upper bound of every component of an action, over all agents, in the units of the action.
     fn action_bounds(&self) -> Vec<(f64, f64)>;
 
-    /// Starts a new episode and writes its first observation into `obs` (length [`Env::obs_dim`]; those of several agents follow each other).
+    /// Starts a new episode and writes its first observation into `obs` (length [`Env::obs_dim`]).
     fn reset(&mut self, obs: &mut [f64]);
 
     /// Takes one decision and writes the observation that follows it into `obs`.
     ///
-    /// `action` lies inside the bounds of [`Env::action_bounds`]; those of several agents follow each other. At the end of an episode `obs` receives the final
+    /// `action` lies inside the bounds of [`Env::action_bounds`]. At the end of an episode `obs` receives the final
     /// observation, from which the learner bootstraps when the episode was merely cut off.
     fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step;
 
@@ -64,6 +64,17 @@ pub trait Env {
         let _ = state;
         false
     }
+}
+
+/// An agent of an environment, with an observation and an action of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Agent {
+    /// The number of the policy that moves it, from 0. Agents of one policy learn together and have equal dimensions.
+    pub policy: usize,
+    /// The number of components of its observation.
+    pub obs_dim: usize,
+    /// The lower and upper bound of every component of its action.
+    pub action_bounds: Vec<(f64, f64)>,
 }
 
 /// The outcome of one decision.

@@ -2,7 +2,7 @@
 
 use super::actor_critic::{ActorCritic, Scratch};
 use super::arithmetic::Path;
-use super::env::{Env, Step};
+use super::env::{Agent, Env, Step};
 use super::frame_stack::FrameStack;
 use super::gaussian::{Gaussian, Spread};
 use super::log::FinishedEpisode;
@@ -15,6 +15,9 @@ use base::seed::Stream;
 /// The part of a collector that belongs to one agent of an environment. Lanes of different environments do not share data, so they can run in parallel.
 #[derive(Debug, Clone)]
 pub(super) struct Lane {
+    /// The number of its policy.
+    pub(super) policy: usize,
+    frame_dim: usize,
     bounds: Vec<(f64, f64)>,
     /// The noise of the actions.
     pub(super) noise: Stream,
@@ -54,12 +57,20 @@ struct Joint {
 }
 
 impl Lane {
-    /// Makes a lane that precedes its first episode. `chunk` is the number of observations that are valued at once.
-    pub(super) fn new<E: Env>(env: &E, policy: &ActorCritic, frames: usize, chunk: usize, noise: Stream) -> Self {
-        let (frame_dim, action_dim) = (env.obs_dim(), policy.action_dim());
-        let stack = FrameStack::new(frame_dim, frames);
+    /// Makes a lane of an agent that precedes its first episode. `chunk` is the number of observations that are valued at once.
+    pub(super) fn new<E: Env>(
+        env: &E,
+        agent: &Agent,
+        policy: &ActorCritic,
+        (frames, chunk): (usize, usize),
+        noise: Stream,
+    ) -> Self {
+        let action_dim = policy.action_dim();
+        let stack = FrameStack::new(agent.obs_dim, frames);
         Self {
-            bounds: env.action_bounds(),
+            policy: agent.policy,
+            frame_dim: agent.obs_dim,
+            bounds: agent.action_bounds.clone(),
             noise,
             end: stack.clone(),
             stack,
@@ -71,7 +82,7 @@ impl Lane {
             potential: 0.0,
             finished: Vec::new(),
             failure: None,
-            joint: Joint { action: vec![0.0; action_dim * env.agents()], frames: vec![0.0; frame_dim * env.agents()] },
+            joint: Joint { action: vec![0.0; env.action_bounds().len()], frames: vec![0.0; env.obs_dim()] },
             spread: Spread::new(action_dim),
             mean: vec![0.0; action_dim],
             clipped: vec![0.0; action_dim],
@@ -96,8 +107,9 @@ impl Lane {
         let [first, ..] = lanes else { return Ok(()) };
         let mut frames = std::mem::take(&mut first.joint.frames);
         env.reset(&mut frames);
-        for (lane, frame) in lanes.iter_mut().zip(frames.chunks(env.obs_dim())) {
-            lane.stack.begin(frame);
+        let mut rest = frames.as_slice();
+        for lane in &mut *lanes {
+            lane.stack.begin(rest.split_off(..lane.frame_dim).unwrap_or_default());
             lane.potential = env.potential();
         }
         let representable = representable(&frames);
@@ -113,42 +125,36 @@ impl Lane {
     }
 
     /// Writes the input of the networks in step `t` of a rollout, and returns it.
-    pub(super) fn look<'a>(&self, policy: &ActorCritic, rollout: &'a mut Rollout, t: usize) -> &'a [f32] {
+    fn look<'a>(&self, policy: &ActorCritic, rollout: &'a mut Rollout, t: usize) -> &'a [f32] {
         let input = &mut rollout.obs[t * rollout.obs_dim..(t + 1) * rollout.obs_dim];
         policy.prepare(self.stack.as_slice(), input);
         input
     }
 
-    /// Asks the actor for the mean of the next action.
-    pub(super) fn ask(&mut self, policy: &ActorCritic, input: &[f32]) {
-        policy.mean(input, &mut self.mean, &mut self.scratch.actor);
-    }
-
-    /// Sets the mean of the next action.
-    pub(super) fn set_mean(&mut self, mean: &[f32]) {
-        for (slot, mean) in self.mean.iter_mut().zip(mean) {
-            *slot = f64::from(*mean);
-        }
-    }
-
-    /// Takes step `t` of a rollout of each agent of an environment, with actions around their means; [`Lane::settle`] does the part that depends on
-    /// normalised numbers.
+    /// Takes step `t` of a rollout of each agent of an environment by its policy; [`Lane::settle`] does the part that depends on normalised numbers.
     pub(super) fn step<E: Env>(
         lanes: &mut [Self],
         env: &mut E,
+        policies: &[ActorCritic],
         rollouts: &mut [Rollout],
         t: usize,
         gamma: f64,
     ) -> Result<(), Quantity> {
         let [first, ..] = lanes else { return Ok(()) };
-        let (mut joint, action_dim) = (std::mem::take(&mut first.joint), first.clipped.len());
-        for ((lane, rollout), action) in lanes.iter_mut().zip(rollouts).zip(joint.action.chunks_mut(action_dim)) {
+        let mut joint = std::mem::take(&mut first.joint);
+        let mut rest = joint.action.as_mut_slice();
+        for (lane, rollout) in lanes.iter_mut().zip(rollouts) {
+            let policy = &policies[lane.policy];
+            let input = lane.look(policy, rollout, t);
+            policy.mean(input, &mut lane.mean, &mut lane.scratch.actor);
             lane.act(rollout, t)?;
-            action.copy_from_slice(&lane.clipped);
+            rest.split_off_mut(..lane.clipped.len()).unwrap_or_default().copy_from_slice(&lane.clipped);
         }
         let outcome = env.step(&joint.action, &mut joint.frames);
         let potential = env.potential();
-        for (agent, (lane, frame)) in lanes.iter_mut().zip(joint.frames.chunks(env.obs_dim())).enumerate() {
+        let mut rest = joint.frames.as_slice();
+        for (agent, lane) in lanes.iter_mut().enumerate() {
+            let frame = rest.split_off(..lane.frame_dim).unwrap_or_default();
             let credit = Step { reward: env.credit(agent, outcome.reward), ..outcome };
             lane.receive(credit, outcome.reward, potential, frame, gamma)?;
         }

@@ -25,27 +25,28 @@ pub(super) struct UpdateMeans {
     pub(super) gradient_steps: u64,
 }
 
-/// A policy and the state that improves it.
+/// The state that improves a policy.
 #[derive(Debug, Clone)]
 pub(super) struct Learner {
-    pub(super) policy: ActorCritic,
     pub(super) adam: Adam<f32>,
     loss: LossGradient<f32>,
     batch: Minibatch<f32>,
+    /// The numbers of the policy's samples among those of all rollouts.
+    samples: Vec<usize>,
     order: Vec<usize>,
     path: Path,
 }
 
 impl Learner {
-    /// Makes room for updates on this number of samples.
-    pub(super) fn new(policy: ActorCritic, config: &PpoConfig, samples: usize, path: Path) -> Self {
-        let capacity = config.batch_size.min(samples);
+    /// Makes room for updates of a policy on the samples with these numbers, which count by lane, then step.
+    pub(super) fn new(policy: &ActorCritic, config: &PpoConfig, samples: Vec<usize>, path: Path) -> Self {
+        let capacity = config.batch_size.min(samples.len());
         Self {
             adam: Adam::new(policy.parameters().len(), ADAM_EPS),
-            loss: LossGradient::new(&policy, capacity, path),
+            loss: LossGradient::new(policy, capacity, path),
             batch: Minibatch::with_capacity(capacity, policy.obs_dim(), policy.action_dim()),
-            order: (0..samples).collect(),
-            policy,
+            order: samples.clone(),
+            samples,
             path,
         }
     }
@@ -57,15 +58,14 @@ impl Learner {
     /// step is taken on it.
     pub(super) fn learn(
         &mut self,
+        policy: &mut ActorCritic,
         rollouts: &[Rollout],
         config: &PpoConfig,
         learning_rate: f64,
         reorder: &mut dyn FnMut(&mut [usize]),
     ) -> Result<UpdateMeans, Quantity> {
         // It starts from a fixed order, so that an update does not depend on the orders of earlier ones.
-        for (i, slot) in self.order.iter_mut().enumerate() {
-            *slot = i;
-        }
+        self.order.copy_from_slice(&self.samples);
         let limit = config.target_kl.map_or(f64::INFINITY, |target| KL_TOLERANCE * target);
         let mut sums = UpdateMeans::default();
         let (mut minibatches, mut in_epoch) = (0.0, 0.0);
@@ -77,7 +77,7 @@ impl Learner {
                 if config.normalize_advantages {
                     self.batch.normalise_advantages();
                 }
-                let terms = self.loss.compute(&self.policy, &self.batch, config);
+                let terms = self.loss.compute(policy, &self.batch, config);
                 if !terms.total(config).is_finite() {
                     return Err(Quantity::Loss);
                 }
@@ -100,9 +100,8 @@ impl Learner {
                     return Err(Quantity::Gradient);
                 }
                 let scale = (config.max_gradient_norm / (norm + 1e-6)).min(1.0);
-                let parameters = self.policy.parameters_mut();
-                self.adam.step(parameters, &self.loss.gradient, learning_rate, scale, self.path);
-                self.policy.hold_spread();
+                self.adam.step(policy.parameters_mut(), &self.loss.gradient, learning_rate, scale, self.path);
+                policy.hold_spread();
                 sums.grad_norm += norm;
                 sums.gradient_steps += 1;
             }
@@ -116,12 +115,6 @@ impl Learner {
             grad_norm: sums.grad_norm / (sums.gradient_steps as f64).max(1.0),
             gradient_steps: sums.gradient_steps,
         })
-    }
-
-    /// Returns the mean over the action's components of the standard deviation.
-    pub(super) fn mean_std(&self) -> f64 {
-        let log_std = self.policy.log_std();
-        log_std.iter().map(|log_std| libm::exp(f64::from(*log_std))).sum::<f64>() / log_std.len() as f64
     }
 }
 

@@ -83,11 +83,6 @@ impl Mlp {
         &scratch.activations[self.layers.len()][..self.outputs()]
     }
 
-    /// Evaluates the network for a batch, and returns for each sample the bits of [`Mlp::forward_one`] (outputs × batch).
-    pub fn forward_each<'s, T: Real>(&self, parameters: &[T], input: &[T], scratch: &'s mut MlpScratch<T>) -> &'s [T] {
-        self.forward_with(parameters, input, scratch, Path::plain(), 0)
-    }
-
     /// Evaluates the network for a batch and returns the outputs (outputs × batch).
     ///
     /// `input` is inputs × batch. The scratch space stores what [`Mlp::backward`] needs.
@@ -97,18 +92,6 @@ impl Mlp {
         input: &[T],
         scratch: &'s mut MlpScratch<T>,
         path: Path,
-    ) -> &'s [T] {
-        self.forward_with(parameters, input, scratch, path, FEW)
-    }
-
-    /// Evaluates the network for a batch; layers of at most `few` outputs are computed by inner products.
-    fn forward_with<'s, T: Real>(
-        &self,
-        parameters: &[T],
-        input: &[T],
-        scratch: &'s mut MlpScratch<T>,
-        path: Path,
-        few: usize,
     ) -> &'s [T] {
         let batch = input.len() / self.inputs();
         debug_assert!(input.len() == batch * self.inputs() && batch <= scratch.capacity);
@@ -120,7 +103,7 @@ impl Mlp {
             let (before, after) = scratch.activations.split_at_mut(l + 1);
             let x = &before[l][..inputs * batch];
             let y = &mut after[0][..outputs * batch];
-            if outputs <= few {
+            if outputs <= FEW {
                 let weight_transposed = &mut scratch.weight_transposed[..inputs * outputs];
                 transpose(weight, weight_transposed, outputs, inputs);
                 path.run(ProductOfTranspose {
@@ -273,20 +256,6 @@ mod tests {
         }
         let y = mlp.forward_one(&parameters, &[-1.0, 0.0], &mut scratch);
         assert!((y[0] - (3.0 * libm::tanh(-1.5) - 1.0)).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_batch_has_the_bits_of_single_samples() {
-        for widths in [vec![4, 64, 64, 2], vec![7, 128, 33, 1], vec![3, 256, 5]] {
-            let mlp = Mlp::new(&widths);
-            let parameters: Vec<f32> = (0..mlp.parameter_count()).map(|i| (1.0 + 7.0 * i as f32).sin()).collect();
-            let input: Vec<f32> = (0..widths[0] * 19).map(|i| (3.0 * i as f32).cos()).collect();
-            let (mut batch, mut single) = (MlpScratch::new(&mlp, 19), MlpScratch::new(&mlp, 1));
-            let found = mlp.forward_each(&parameters, &input, &mut batch);
-            for (input, found) in input.chunks(widths[0]).zip(found.chunks(mlp.outputs())) {
-                assert_eq!(mlp.forward_one(&parameters, input, &mut single), found);
-            }
-        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use safetensors::SafeTensors;
 
 use super::actor_critic::ActorCritic;
 use super::archive::Writer;
-use super::checkpoint::CheckpointError;
+use super::checkpoint::{CheckpointError, read_each, write_each};
 use super::config::PpoConfig;
 use super::curve::{read_curve, write_curve};
 use super::env::Env;
@@ -19,17 +19,18 @@ use base::seed::Seed;
 /// The result of a training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trained {
-    /// The policy and the critic after the last update.
-    pub actor_critic: ActorCritic,
+    /// The policies and their critics after the last update: one, or one for each role.
+    pub policies: Vec<ActorCritic>,
     /// The reports of all updates, in order.
     pub learning_curve: Vec<UpdateLog>,
 }
 
 impl Trained {
-    /// Encodes all of it in the safetensors format: the policy as [`ActorCritic::to_safetensors`] does, and the learning curve.
+    /// Encodes all of it in the safetensors format: the first policy as [`ActorCritic::to_safetensors`] does, the others as files within it, and the
+    /// learning curve.
     pub fn to_safetensors(&self) -> Vec<u8> {
         let mut writer = Writer::default();
-        self.actor_critic.write(&mut writer);
+        write_each(&mut writer, &self.policies, ActorCritic::write);
         write_curve(&mut writer, &self.learning_curve);
         writer.finish(&BTreeMap::new())
     }
@@ -40,11 +41,11 @@ impl Trained {
     /// The bytes are not such an encoding; the error names the reason.
     pub fn from_safetensors(bytes: &[u8]) -> Result<Self, CheckpointError> {
         let tensors = SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
-        Ok(Self { actor_critic: ActorCritic::read(&tensors)?, learning_curve: read_curve(&tensors)? })
+        Ok(Self { policies: read_each(&tensors, ActorCritic::read)?, learning_curve: read_curve(&tensors)? })
     }
 }
 
-/// Trains an actor and a critic by PPO.
+/// Trains each policy and its critic by PPO.
 ///
 /// Rollouts and updates alternate until `config.steps` steps have been taken. The last rollout is completed, so the
 /// number of steps may be a little higher. `observer` gets the report of every update and may stop training.

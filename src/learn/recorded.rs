@@ -101,15 +101,16 @@ pub fn update_on_recorded(
     let last_value = actor_critic.value(&rollout.last_obs, &mut scratch);
     buffer.finish(last_value, rollout.last_done, config.gamma, config.gae_lambda);
 
-    let mut learner = Learner::new(actor_critic, config, steps, Path::of(config));
+    let mut policy = actor_critic;
+    let mut learner = Learner::new(&policy, config, (0..steps).collect(), Path::of(config));
     let mut recorded = epochs.iter();
     let rollouts = [buffer];
-    let means = learner.learn(&rollouts, config, config.learning_rate, &mut |order| {
+    let means = learner.learn(&mut policy, &rollouts, config, config.learning_rate, &mut |order| {
         order.copy_from_slice(recorded.next().expect("there is an order for every epoch"));
     })?;
     let [buffer] = rollouts;
     Ok(RecordedUpdate {
-        actor_critic: learner.policy,
+        actor_critic: policy,
         values: buffer.values,
         log_probs: buffer.log_probs,
         advantages: buffer.advantages,

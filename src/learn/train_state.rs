@@ -6,7 +6,7 @@ use safetensors::SafeTensors;
 
 use super::actor_critic::ActorCritic;
 use super::archive::{Writer, read, read_vector};
-use super::checkpoint::{CheckpointError, read_moments, write_moments};
+use super::checkpoint::{CheckpointError, read_each, read_moments, write_each, write_moments};
 use super::collector::observe;
 use super::config::PpoConfig;
 use super::curve::{read_curve, read_episodes, write_curve, write_episodes};
@@ -22,22 +22,25 @@ const SETTINGS: &str = "settings";
 impl Trainer {
     /// Encodes everything that the next updates depend on, and the learning curve.
     ///
-    /// This is the policy and the critic, Adam's moments, the positions in the random streams, the statistics, the
+    /// This is each policy and its critic, Adam's moments, the positions in the random streams, the statistics, the
     /// current episodes, and what [`Env::save`] returns for each environment. The format is safetensors; policies can be
     /// read from it, too. Its header holds in plain text the progress of the training and its settings, in addition to
     /// `metadata`.
     pub fn state<E: Env>(&self, envs: &[E], metadata: &BTreeMap<String, String>) -> Vec<u8> {
         let mut writer = Writer::default();
-        self.learner.policy.write(&mut writer);
-        writer.vector("adam.first", &self.learner.adam.first);
-        writer.vector("adam.second", &self.learner.adam.second);
-        writer.vector("adam.powers", &self.learner.adam.powers);
-        writer.vector("minibatches", &position(&self.minibatches));
-        let recent = &self.collector.recent;
-        write_episodes(&mut writer, "recent", recent.iter());
-        if let Some(moments) = &self.collector.return_moments {
-            write_moments(&mut writer, "ret_rms", moments);
-        }
+        let numbers: Vec<usize> = (0..self.policies.len()).collect();
+        write_each(&mut writer, &numbers, |number, writer| {
+            self.policies[*number].write(writer);
+            let adam = &self.learners[*number].adam;
+            writer.vector("adam.first", &adam.first);
+            writer.vector("adam.second", &adam.second);
+            writer.vector("adam.powers", &adam.powers);
+            writer.vector("minibatches", &position(&self.minibatches[*number]));
+            if let Some(moments) = self.collector.return_moments.get(*number) {
+                write_moments(writer, "ret_rms", moments);
+            }
+        });
+        write_episodes(&mut writer, "recent", self.collector.recent.iter());
         for (i, lane) in self.collector.lanes.iter().enumerate() {
             writer.vector(&format!("env.{i}.noise"), &position(&lane.noise));
             writer.vector(&format!("env.{i}.obs"), lane.stack.as_slice());
@@ -70,7 +73,7 @@ impl Trainer {
     /// # Panics
     /// As [`Trainer::new`] does.
     pub fn from_state<E: Env>(bytes: &[u8], envs: &mut [E], config: &PpoConfig) -> Result<Self, CheckpointError> {
-        let (obs_dim, action_dim) = dimensions(envs, config);
+        let dimensions = dimensions(envs, config);
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(CheckpointError::Format)?;
         let settings = header.metadata().as_ref().and_then(|metadata| metadata.get(SETTINGS));
         let settings = settings.ok_or_else(|| CheckpointError::Missing { name: SETTINGS.to_owned() })?;
@@ -78,36 +81,51 @@ impl Trainer {
             return Err(CheckpointError::Settings { name });
         }
         let tensors = &SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
-        let policy = ActorCritic::read(tensors)?;
-        let widths: Vec<usize> = policy.actor().layers().iter().map(|layer| layer.outputs).collect();
-        let critic_widths = policy.critic().layers().iter().map(|layer| layer.outputs);
-        let expected = config.hidden.iter().copied();
-        if policy.obs_dim() != obs_dim
-            || policy.observation_moments().is_some() != config.normalize_observations
-            || !widths.iter().copied().eq(expected.clone().chain([action_dim]))
-            || !critic_widths.eq(expected.chain([1]))
-        {
-            let found = [&[policy.obs_dim()], widths.as_slice()].concat();
-            return Err(CheckpointError::Shape { name: "mlp_extractor".to_owned(), found });
+        let policies = read_each(tensors, ActorCritic::read)?;
+        if policies.len() != dimensions.len() {
+            return Err(CheckpointError::Policies { found: policies.len(), expected: dimensions.len() });
+        }
+        for (policy, (obs_dim, action_dim)) in policies.iter().zip(dimensions) {
+            let widths: Vec<usize> = policy.actor().layers().iter().map(|layer| layer.outputs).collect();
+            let critic_widths = policy.critic().layers().iter().map(|layer| layer.outputs);
+            let expected = config.hidden.iter().copied();
+            if policy.obs_dim() != obs_dim
+                || policy.observation_moments().is_some() != config.normalize_observations
+                || !widths.iter().copied().eq(expected.clone().chain([action_dim]))
+                || !critic_widths.eq(expected.chain([1]))
+            {
+                let found = [&[policy.obs_dim()], widths.as_slice()].concat();
+                return Err(CheckpointError::Shape { name: "mlp_extractor".to_owned(), found });
+            }
         }
 
         // No stream of this seed is used: every stream continues from its saved position.
-        let mut this = Self::assemble(envs, policy, config, &Seed::root(0));
-        let parameters = this.learner.policy.parameters().len();
-        this.learner.adam.first = read_vector(tensors, "adam.first", parameters)?;
-        this.learner.adam.second = read_vector(tensors, "adam.second", parameters)?;
-        this.learner.adam.powers.copy_from_slice(&read_vector(tensors, "adam.powers", 2)?);
+        let mut this = Self::assemble(envs, policies, config, &Seed::root(0));
+        let own = read_each(tensors, |tensors| {
+            let first: Vec<f32> = read::<f32>(tensors, "adam.first")?.values;
+            let second: Vec<f32> = read_vector(tensors, "adam.second", first.len())?;
+            let powers: Vec<f64> = read_vector(tensors, "adam.powers", 2)?;
+            Ok((first, second, powers, read_stream(tensors, "minibatches")?, read_moments(tensors, "ret_rms", 1)?))
+        })?;
         this.learning_curve = read_curve(tensors)?;
         this.steps = this.updates() * (config.steps_per_update * envs.len()) as u64;
         if this.learning_curve.last().is_some_and(|log| log.steps != this.steps) {
             return Err(CheckpointError::Env { env: envs.len() });
         }
-        this.minibatches = read_stream(tensors, "minibatches")?;
         this.collector.recent.extend(read_episodes(tensors, "recent")?);
-        if config.normalize_rewards {
-            let moments = read_moments(tensors, "ret_rms", 1)?;
-            let missing = || CheckpointError::Missing { name: "ret_rms.mean".to_owned() };
-            this.collector.return_moments = Some(moments.ok_or_else(missing)?);
+        this.collector.return_moments.clear();
+        for (number, (first, second, powers, minibatches, moments)) in own.into_iter().enumerate() {
+            let adam = &mut this.learners[number].adam;
+            if first.len() != adam.first.len() {
+                return Err(CheckpointError::Shape { name: "adam.first".to_owned(), found: vec![first.len()] });
+            }
+            (adam.first, adam.second) = (first, second);
+            adam.powers.copy_from_slice(&powers);
+            this.minibatches[number] = minibatches;
+            if config.normalize_rewards {
+                let missing = || CheckpointError::Missing { name: "ret_rms.mean".to_owned() };
+                this.collector.return_moments.push(moments.ok_or_else(missing)?);
+            }
         }
         let others = tensors.tensor(&format!("env.{}.noise", this.collector.lanes.len()));
         if others.is_ok() {
@@ -131,7 +149,8 @@ impl Trainer {
             }
             for (i, lane) in (place * agents..).zip(lanes) {
                 lane.potential = env.potential();
-                lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
+                let seen = lane.stack.as_slice().len();
+                lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), seen)?);
                 let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
                 let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;
                 lane.running = FinishedEpisode { reward: episode[0], length: length[0], ..FinishedEpisode::default() };
@@ -140,7 +159,7 @@ impl Trainer {
             }
         }
         if anew {
-            observe(&mut this.learner.policy, &this.collector.lanes);
+            observe(&mut this.policies, &this.collector.lanes);
         }
         Ok(this)
     }

@@ -4,8 +4,8 @@ use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
 use super::collector::{Collector, agents};
 use super::config::PpoConfig;
-use super::env::Env;
-use super::learner::Learner;
+use super::env::{Agent, Env};
+use super::learner::{Learner, UpdateMeans};
 use super::log::{FinishedEpisode, UpdateLog};
 use super::minibatch::shuffle;
 use super::moments::RunningMoments;
@@ -37,10 +37,12 @@ use base::seed::{Seed, Stream};
 #[derive(Debug, Clone)]
 pub struct Trainer {
     pub(super) config: PpoConfig,
-    pub(super) learner: Learner,
+    pub(super) policies: Vec<ActorCritic>,
+    /// That of each policy.
+    pub(super) learners: Vec<Learner>,
     pub(super) collector: Collector,
-    /// Draws the order of the samples.
-    pub(super) minibatches: Stream,
+    /// Draws the order of the samples of each policy.
+    pub(super) minibatches: Vec<Stream>,
     pub(super) steps: u64,
     /// One report for each update up to now.
     pub(super) learning_curve: Vec<UpdateLog>,
@@ -50,7 +52,7 @@ pub struct Trainer {
 impl Trainer {
     /// Draws the first weights, or takes those of the settings, and starts an episode in every environment.
     ///
-    /// First weights, the order of minibatches and the action noise of every environment have streams of their own.
+    /// First weights and the order of minibatches of every policy, and the action noise of every agent have streams of their own.
     ///
     /// # Errors
     /// [`TrainError::NonFinite`] when a first observation is not finite.
@@ -59,8 +61,7 @@ impl Trainer {
     /// When there is no environment, when environments differ in their dimensions, or when `steps_per_update`,
     /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero, or when its first networks are for other dimensions.
     pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
-        let (obs_dim, action_dim) = dimensions(envs, config);
-        Self::with_networks(envs, first_networks(obs_dim, action_dim, config, seed), config, seed)
+        Self::with_networks(envs, first_networks(&agents(envs), config, seed), config, seed)
     }
 
     /// As [`Trainer::new`], but with these first networks, which are not part of the settings.
@@ -72,34 +73,37 @@ impl Trainer {
     /// As [`Trainer::new`].
     pub fn with_networks<E: Env>(
         envs: &mut [E],
-        policy: ActorCritic,
+        policies: Vec<ActorCritic>,
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, TrainError> {
-        assert!(
-            (policy.obs_dim(), policy.action_dim()) == dimensions(envs, config),
-            "the first networks fit the environments"
-        );
-        let mut this = Self::assemble(envs, policy, config, seed);
-        let begun = this.collector.begin(envs, &mut this.learner.policy);
+        let found = policies.iter().map(|policy| (policy.obs_dim(), policy.action_dim()));
+        assert!(found.eq(dimensions(envs, config)), "the first networks fit the environments");
+        let mut this = Self::assemble(envs, policies, config, seed);
+        let begun = this.collector.begin(envs, &mut this.policies);
         begun.map_err(|quantity| TrainError::NonFinite { update: 1, quantity })?;
         Ok(this)
     }
 
     /// Assembles a trainer that precedes the first episodes.
-    pub(super) fn assemble<E: Env>(envs: &[E], policy: ActorCritic, config: &PpoConfig, seed: &Seed) -> Self {
-        let path = Path::of(config);
-        let rollout = Rollout::new(config.steps_per_update, policy.obs_dim(), policy.action_dim());
-        let lanes = envs.len() * agents(envs);
-        let samples = config.steps_per_update * lanes;
+    pub(super) fn assemble<E: Env>(envs: &[E], policies: Vec<ActorCritic>, config: &PpoConfig, seed: &Seed) -> Self {
+        let (path, steps) = (Path::of(config), config.steps_per_update);
+        let collector = Collector::new(envs, &policies, config, &seed.child("action noise"), path);
+        let rollout = |policy: &ActorCritic| Rollout::new(steps, policy.obs_dim(), policy.action_dim());
+        let learner = |(number, policy)| {
+            let own = (0..).zip(&collector.lanes).filter(|(_, lane)| lane.policy == number);
+            Learner::new(policy, config, own.flat_map(|(lane, _)| lane * steps..(lane + 1) * steps).collect(), path)
+        };
+        let minibatches = (0..policies.len()).map(|policy| of_policy(&seed.child("minibatches"), policy).stream());
         Self {
-            collector: Collector::new(envs, &policy, config, &seed.child("action noise"), path),
-            learner: Learner::new(policy, config, samples, path),
-            minibatches: seed.child("minibatches").stream(),
+            learners: policies.iter().enumerate().map(learner).collect(),
+            minibatches: minibatches.collect(),
             config: config.clone(),
             steps: 0,
             learning_curve: Vec::new(),
-            rollouts: vec![rollout; lanes],
+            rollouts: collector.lanes.iter().map(|lane| rollout(&policies[lane.policy])).collect(),
+            collector,
+            policies,
         }
     }
 
@@ -126,7 +130,7 @@ impl Trainer {
         self.collect(envs, stop)?.learn()
     }
 
-    /// Does the first half of [`Trainer::update_unless`]: collects a rollout with the present policy.
+    /// Does the first half of [`Trainer::update_unless`]: collects a rollout with the present policies.
     ///
     /// # Errors
     /// As [`Trainer::update_unless`].
@@ -135,9 +139,9 @@ impl Trainer {
         envs: &mut [E],
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Experience<'_>, TrainError> {
-        assert!(envs.len() * agents(envs) == self.rollouts.len(), "a training keeps its environments");
+        assert!(envs.len() * self.collector.agents == self.rollouts.len(), "a training keeps its environments");
         let update = self.updates() + 1;
-        let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts, stop);
+        let finished = self.collector.collect(envs, &mut self.policies, &mut self.rollouts, stop);
         match finished {
             Ok(Some(finished)) => Ok(Experience { trainer: self, finished }),
             Ok(None) => Err(TrainError::Stopped { update: update - 1 }),
@@ -160,9 +164,9 @@ impl Trainer {
         self.steps
     }
 
-    /// Returns the present policy and critic.
-    pub fn actor_critic(&self) -> &ActorCritic {
-        &self.learner.policy
+    /// Returns the present policies and their critics, in the order of their numbers.
+    pub fn policies(&self) -> &[ActorCritic] {
+        &self.policies
     }
 
     /// Returns the reports of all updates up to now, in order, including those before an interruption.
@@ -172,7 +176,7 @@ impl Trainer {
 
     /// Ends the training.
     pub fn finish(self) -> Trained {
-        Trained { actor_critic: self.learner.policy, learning_curve: self.learning_curve }
+        Trained { policies: self.policies, learning_curve: self.learning_curve }
     }
 }
 
@@ -195,10 +199,14 @@ impl<'a> Experience<'a> {
         trainer.steps += (trainer.config.steps_per_update * environments) as u64;
         let config = &trainer.config;
         let learning_rate = config.learning_rate_schedule.at(config.learning_rate, trainer.steps, config.steps);
-        let minibatches = &mut trainer.minibatches;
-        let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
-        let means = trainer.learner.learn(&trainer.rollouts, config, learning_rate, reorder);
-        let means = means.map_err(|quantity| TrainError::NonFinite { update, quantity })?;
+        let all = trainer.policies.iter_mut().zip(&mut trainer.learners).zip(&mut trainer.minibatches);
+        let learn = |((policy, learner), minibatches): ((_, &mut Learner), &mut Stream)| {
+            let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
+            learner.learn(policy, &trainer.rollouts, config, learning_rate, reorder)
+        };
+        let updates = all.map(learn).collect::<Result<Vec<_>, _>>();
+        let updates = updates.map_err(|quantity| TrainError::NonFinite { update, quantity })?;
+        let mean = |of: fn(&UpdateMeans) -> f64| updates.iter().map(of).sum::<f64>() / updates.len() as f64;
         let recent = trainer.collector.recent_means();
         let log = UpdateLog {
             update,
@@ -209,43 +217,57 @@ impl<'a> Experience<'a> {
             mean_length: recent.map(|(_, length, ..)| length),
             success_rate: recent.map(|(_, _, rate, _)| rate),
             fault_rate: recent.and_then(|(.., rate)| rate),
-            approx_kl: means.approx_kl,
-            clip_fraction: means.clip_fraction,
+            approx_kl: mean(|one| one.approx_kl),
+            clip_fraction: mean(|one| one.clip_fraction),
             explained_variance: explained_variance(&trainer.rollouts),
-            entropy: means.entropy,
-            policy_loss: means.policy,
-            value_loss: means.value,
-            grad_norm: means.grad_norm,
-            gradient_steps: means.gradient_steps,
+            entropy: mean(|one| one.entropy),
+            policy_loss: mean(|one| one.policy),
+            value_loss: mean(|one| one.value),
+            grad_norm: mean(|one| one.grad_norm),
+            gradient_steps: updates.iter().map(|one| one.gradient_steps).sum(),
             learning_rate,
-            std: trainer.learner.mean_std(),
+            std: trainer.policies.iter().map(ActorCritic::mean_std).sum::<f64>() / updates.len() as f64,
         };
         Ok(trainer.learning_curve.push_mut(log))
     }
 }
 
-/// The networks with which a training begins: the given ones, or drawn ones. `obs_dim` counts the numbers of all stacked states.
-pub fn first_networks(obs_dim: usize, action_dim: usize, config: &PpoConfig, seed: &Seed) -> ActorCritic {
-    let drawn = || {
-        let stream = &mut seed.child("init").stream();
+/// The networks of each policy of these agents with which a training begins: the given ones, or drawn ones.
+pub fn first_networks(agents: &[Agent], config: &PpoConfig, seed: &Seed) -> Vec<ActorCritic> {
+    let drawn = |(number, (obs_dim, action_dim))| {
+        let stream = &mut of_policy(&seed.child("init"), number).stream();
         let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
         *policy.observation_moments_mut() = config.normalize_observations.then(|| RunningMoments::new(obs_dim));
         policy
     };
-    config.from.as_ref().and_then(|from| from.networks.as_deref().cloned()).unwrap_or_else(drawn)
+    let given = config.from.as_ref().and_then(|from| from.networks.as_deref());
+    let all = sizes(agents, config.frame_stack).into_iter().enumerate();
+    all.map(|each| given.cloned().unwrap_or_else(|| drawn(each))).collect()
 }
 
-/// Returns the sizes of the networks' inputs and outputs: the components of stacked observations and of actions.
-pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> (usize, usize) {
+/// The seed of a policy: that of the first is the seed of a training of one.
+fn of_policy(seed: &Seed, policy: usize) -> Seed {
+    if policy == 0 { *seed } else { seed.index(policy as u64) }
+}
+
+/// The components of stacked observations and of actions of each policy.
+fn sizes(agents: &[Agent], frames: usize) -> Vec<(usize, usize)> {
+    let first = (0..).map_while(|policy| agents.iter().find(|agent| agent.policy == policy));
+    first.map(|agent| (agent.obs_dim * frames, agent.action_bounds.len())).collect()
+}
+
+/// Returns the sizes of the inputs and outputs of each policy's networks: the components of stacked observations and of actions.
+pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> Vec<(usize, usize)> {
     assert!(!envs.is_empty(), "training needs an environment");
     assert!(
         config.steps_per_update > 0 && config.batch_size > 0 && config.epochs > 0 && config.frame_stack > 0,
         "rollouts, minibatches, epochs and stacks must not be empty"
     );
-    let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());
+    let numbers = |agent: Agent| (agent.policy, agent.obs_dim, agent.action_bounds.len());
+    let first = || envs[0].agents().into_iter().map(numbers);
     assert!(
-        envs.iter().all(|env| (env.obs_dim(), env.action_bounds().len()) == (obs_dim, action_dim)),
+        envs.iter().all(|env| env.agents().into_iter().map(numbers).eq(first())),
         "environments must agree in their dimensions"
     );
-    (obs_dim * config.frame_stack, action_dim)
+    sizes(&envs[0].agents(), config.frame_stack)
 }

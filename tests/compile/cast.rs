@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock};
 use base::seed::Seed;
 use base::signature::{DeclarationId, Distribution};
 use compile::{Catalog, Plan, compile};
-use learn::{Credit, Env, PpoConfig};
+use learn::{Agent, Credit, Env, Policies, PpoConfig};
 use world::av::{DrivingMode, PerfectSensors};
 use world::cause::{Incident, Reruns, needs};
 use world::env::{
@@ -596,11 +596,11 @@ fn one_in_the_lane() -> Arc<Scenario> {
 fn each_pedestrian_earns_what_the_episode_earns_with_it_and_not_without_it() {
     let scenario = one_in_the_lane();
     let credits = |credit| {
-        let mut env = PedestrianEnv::new(scenario.simulation(), Seed::root(1)).with_agents(Some(credit));
-        assert_eq!(
-            (env.agents(), env.obs_dim(), env.action_bounds().len()),
-            (2, ObservationSpec::DIM, ActionSpec::DIM)
-        );
+        let config = PpoConfig { policies: Some(Policies::Shared), credit: Some(credit), ..PpoConfig::paper() };
+        let mut env = PedestrianEnv::new(scenario.simulation(), Seed::root(1)).with_agents(&config);
+        let dims = |agent: Agent| (agent.policy, agent.obs_dim, agent.action_bounds.len());
+        let each = (0, ObservationSpec::DIM, ActionSpec::DIM);
+        assert_eq!(env.agents().into_iter().map(dims).collect::<Vec<_>>(), [each; 2]);
         let mut states = [0.0; 2 * ObservationSpec::DIM];
         let mut earned = [0.0; 2];
         env.reset(&mut states);
@@ -627,51 +627,68 @@ fn each_pedestrian_earns_what_the_episode_earns_with_it_and_not_without_it() {
 }
 
 #[test]
-fn one_policy_learns_for_all_pedestrians_and_is_that_of_one_where_there_is_one() {
-    let config = |shared| PpoConfig {
+fn one_policy_learns_for_all_pedestrians_or_one_for_each_role_and_is_that_of_one_where_there_is_one() {
+    let config = |kind: Option<(Policies, Credit)>| PpoConfig {
         steps: 60,
         steps_per_update: 30,
         batch_size: 30,
         epochs: 2,
         hidden: vec![8],
-        shared,
+        policies: kind.map(|kind| kind.0),
+        credit: kind.map(|kind| kind.1),
         ..PpoConfig::paper()
     };
-    let trained = |scenario: &Arc<Scenario>, shared| {
-        let run = TrainingRun::begin(std::slice::from_ref(scenario), 2, &config(shared), &Seed::root(7)).unwrap();
-        run.carry_on(&mut |_| ControlFlow::Continue(())).unwrap().actor_critic
+    let trained = |scenario: &Arc<Scenario>, kind| {
+        let run = TrainingRun::begin(std::slice::from_ref(scenario), 2, &config(kind), &Seed::root(7)).unwrap();
+        run.carry_on(&mut |_| ControlFlow::Continue(())).unwrap().policies
     };
     let alone = Arc::new(scenario("long", "blind"));
-    assert_eq!(trained(&alone, Some(Credit::Team)), trained(&alone, None));
-    let both = one_in_the_lane();
-    let policy = trained(&both, Some(Credit::Removal));
-    assert_eq!((policy.obs_dim(), policy.action_dim()), (ObservationSpec::DIM, ActionSpec::DIM));
-    assert_eq!(trained(&both, None).action_dim(), 2 * ActionSpec::DIM);
-    // It moves each by what that one sees.
-    let mut walker = TrainedWalker::new(policy.clone(), &both.cast, ActionMode::Deterministic);
-    let mut env = both.simulation();
-    env.start(Draw::new(&Seed::root(1), 0));
-    walker.begin(Seed::root(2).stream());
-    let mut commands = [STANDING; 2];
-    walker.choose(&env.scene(), &mut commands);
-    let (mut states, mut joint, mut wanted) = ([0.0; 2 * ObservationSpec::DIM], [0.0; 4], [STANDING; 2]);
-    env.scene().write_state(&mut states);
-    for (state, action) in states.chunks(ObservationSpec::DIM).zip(joint.chunks_mut(ActionSpec::DIM)) {
-        policy.act(state, action, &mut policy.scratch(1));
+    let one = trained(&alone, None);
+    for policies in [Policies::Shared, Policies::Each] {
+        assert_eq!(trained(&alone, Some((policies, Credit::Team))), one);
     }
-    let bounds = both.cast.action_bounds();
-    joint.iter_mut().zip(bounds).for_each(|(number, (low, high))| *number = number.clamp(low, high));
-    env.scene().write_commands(&joint, &mut wanted);
-    assert_eq!(commands, wanted);
-    assert_ne!(commands[0], commands[1]);
-    // A training that is interrupted ends with the same numbers.
-    let seed = &Seed::root(7);
-    let shared = config(Some(Credit::Removal));
-    let mut begun = TrainingRun::begin(std::slice::from_ref(&both), 2, &shared, seed).unwrap();
-    begun.update().unwrap();
-    let state = begun.state(&std::collections::BTreeMap::new());
-    let again = TrainingRun::resume(&state, std::slice::from_ref(&both), None, 2, &shared, seed).unwrap();
-    assert_eq!(again.carry_on(&mut |_| ControlFlow::Continue(())).unwrap().actor_critic, policy);
+    let mut both = Scenario::clone(&one_in_the_lane());
+    assert_eq!(trained(&Arc::new(both.clone()), None)[0].action_dim(), 2 * ActionSpec::DIM);
+    // The members of a group have one role.
+    let group = Some((Policies::Each, Credit::Own));
+    assert_eq!(
+        trained(&Arc::new(both.clone()), group),
+        trained(&Arc::new(both.clone()), Some((Policies::Shared, Credit::Own)))
+    );
+    both.cast.pedestrians[1].name = "second".into();
+    let both = Arc::new(both);
+    for kind in [(Policies::Shared, Credit::Removal), (Policies::Each, Credit::Team), (Policies::Each, Credit::Removal)]
+    {
+        let policies = trained(&both, Some(kind));
+        let number = if kind.0 == Policies::Each { 2 } else { 1 };
+        assert!(policies.len() == number && policies[0] != policies[number - 1] || number == 1);
+        // Each is moved by what that one sees.
+        let mut walker = TrainedWalker::new(policies.clone(), &both.cast, ActionMode::Deterministic);
+        let mut env = both.simulation();
+        env.start(Draw::new(&Seed::root(1), 0));
+        walker.begin(Seed::root(2).stream());
+        let mut commands = [STANDING; 2];
+        walker.choose(&env.scene(), &mut commands);
+        let (mut states, mut joint, mut wanted) = ([0.0; 2 * ObservationSpec::DIM], [0.0; 4], [STANDING; 2]);
+        env.scene().write_state(&mut states);
+        let each = states.chunks(ObservationSpec::DIM).zip(joint.chunks_mut(ActionSpec::DIM));
+        for ((state, action), policy) in each.zip(policies.iter().cycle()) {
+            assert_eq!((policy.obs_dim(), policy.action_dim()), (ObservationSpec::DIM, ActionSpec::DIM));
+            policy.act(state, action, &mut policy.scratch(1));
+        }
+        let bounds = both.cast.action_bounds();
+        joint.iter_mut().zip(bounds).for_each(|(number, (low, high))| *number = number.clamp(low, high));
+        env.scene().write_commands(&joint, &mut wanted);
+        assert_eq!(commands, wanted);
+        assert_ne!(commands[0], commands[1]);
+        // A training that is interrupted ends with the same numbers.
+        let (seed, config) = (&Seed::root(7), config(Some(kind)));
+        let mut begun = TrainingRun::begin(std::slice::from_ref(&both), 2, &config, seed).unwrap();
+        begun.update().unwrap();
+        let state = begun.state(&std::collections::BTreeMap::new());
+        let again = TrainingRun::resume(&state, std::slice::from_ref(&both), None, 2, &config, seed).unwrap();
+        assert_eq!(again.carry_on(&mut |_| ControlFlow::Continue(())).unwrap().policies, policies);
+    }
 }
 
 #[test]
@@ -694,17 +711,21 @@ fn a_search_gives_each_pedestrian_a_goal_of_its_own_and_cells_name_the_role_that
     assert_eq!(roles, BTreeSet::from([0, 1]));
     let differ = |failure: &Failure| failure.commands.chunks(2).any(|each| each[0].speed != each[1].speed);
     assert!(found.iter().any(differ), "each has a pace of its own");
-    // A shared policy learns in a search, and is that of one where there is one.
-    let learner = |shared| {
+    // Policies of each pedestrian learn in a search, and are that of one where there is one.
+    let learner = |kind: Option<(Policies, Credit)>| {
         let sizes =
             PpoConfig { steps_per_update: 30, batch_size: 30, epochs: 2, hidden: vec![8], ..PpoConfig::paper() };
-        Learning(PpoConfig { shared, ..sizes })
+        Learning(PpoConfig { policies: kind.map(|kind| kind.0), credit: kind.map(|kind| kind.1), ..sizes })
     };
     let alone = Arc::new(scenario("long", "blind"));
-    assert_eq!(search(&learner(Some(Credit::Team)), &alone), search(&learner(None), &alone));
-    let shared = [Credit::Team, Credit::Own].map(|credit| search(&learner(Some(credit)), &one_in_the_lane()));
-    assert!(shared.iter().all(|spent| spent.ticks <= 60_000 && !spent.failures.is_empty()));
-    assert_ne!(shared[0], shared[1]);
+    assert_eq!(search(&learner(Some((Policies::Shared, Credit::Team))), &alone), search(&learner(None), &alone));
+    let kinds = [(Policies::Shared, Credit::Team), (Policies::Shared, Credit::Own), (Policies::Each, Credit::Own)];
+    let mut lane = Scenario::clone(&one_in_the_lane());
+    lane.cast.pedestrians[1].name = "second".into();
+    let lane = Arc::new(lane);
+    let found = kinds.map(|kind| search(&learner(Some(kind)), &lane));
+    assert!(found.iter().all(|spent| spent.ticks <= 60_000 && !spent.failures.is_empty()));
+    assert!(found[0] != found[1] && found[1] != found[2]);
 }
 
 #[test]

@@ -39,17 +39,13 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
         outcomes.iter().filter(|outcome: &&Outcome| outcome.is_touch()).count()
     };
     let cast = &evaluation.scenario.cast;
-    let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, cast, ActionMode::Deterministic));
+    let learnt = rate(&mut TrainedWalker::new(trained.policies, cast, ActionMode::Deterministic));
     let random = rate(&mut Random::default());
     assert!(learnt > 120 && random < 40, "{learnt} and {random} of 200");
     let first = plan.campaigns[0].nth::<compile::Evaluation>(1).first.as_deref().unwrap();
     let networks = first_networks(&evaluation.scenario.cast, &first.config, &Seed::root(3));
     let begun = TrainingRun::begin(&training.scenarios(), 1, &training.config, &Seed::root(3)).unwrap();
-    assert_eq!(
-        networks,
-        begun.finish().actor_critic,
-        "the untrained network is the one with which the training begins"
-    );
+    assert_eq!(networks, begun.finish().policies, "the untrained network is the one with which the training begins");
     let untrained = rate(&mut TrainedWalker::new(networks, cast, ActionMode::Deterministic));
     assert!(untrained < 60, "{untrained} of 200");
 }

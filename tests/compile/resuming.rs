@@ -165,21 +165,21 @@ fn a_trained_walker_sees_stacked_and_normalised_states() {
     let training = &plan.campaigns[1].nth::<compile::Training>(0);
     let begun = TrainingRun::begin(from_ref(&training.scenario), 3, &training.config, &Seed::root(2)).unwrap();
     let trained = begun.carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
-    assert_eq!(trained.actor_critic.obs_dim(), 3 * ObservationSpec::DIM);
-    assert!(trained.actor_critic.observation_moments().is_some());
+    assert_eq!(trained.policies[0].obs_dim(), 3 * ObservationSpec::DIM);
+    assert!(trained.policies[0].observation_moments().is_some());
     // The value after it is read back from a file.
-    let bytes = trained.actor_critic.to_safetensors(&BTreeMap::new());
+    let bytes = trained.policies[0].to_safetensors(&BTreeMap::new());
     let (policy, _) = ActorCritic::from_safetensors(&bytes).unwrap();
-    let mut walker = TrainedWalker::new(policy, &training.scenario.cast, ActionMode::Deterministic);
+    let mut walker = TrainedWalker::new(vec![policy], &training.scenario.cast, ActionMode::Deterministic);
     let mut env = PedestrianEnv::new(training.scenario.simulation(), Seed::root(5));
-    let (mut stack, mut scratch) = (FrameStack::new(4, 3), trained.actor_critic.scratch(1));
+    let (mut stack, mut scratch) = (FrameStack::new(4, 3), trained.policies[0].scratch(1));
     for episode in 0..3 {
         env.begin(episode);
         walker.begin(Seed::root(1).stream());
         stack.begin(&state(&env));
         while env.simulation().outcome().is_none() {
             let mut action = [0.0; 2];
-            trained.actor_critic.act(stack.as_slice(), &mut action, &mut scratch);
+            trained.policies[0].act(stack.as_slice(), &mut action, &mut scratch);
             let bounds = env.simulation().scene().bounds();
             let clamped = [0, 1].map(|i| action[i].clamp(bounds[i].0, bounds[i].1));
             let mut commands = [WalkCommand::default(); 2];

@@ -93,7 +93,7 @@ fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
         })
         .collect();
     assert_eq!(trained[0], trained[1], "a potential of 0 is none");
-    assert_ne!(trained[0].actor_critic, trained[2].actor_critic);
+    assert_ne!(trained[0].policies[0], trained[2].policies[0]);
     // Ten decisions at most, each worth −0.01, and 1 for a hit; the potential alone would be worth more.
     let rewards = trained[2].learning_curve.iter().flat_map(|log| &log.finished).map(|episode| episode.reward);
     assert!(rewards.clone().count() > 10 && rewards.clone().all(|reward| (-0.1 - 1e-9..=1.0).contains(&reward)));

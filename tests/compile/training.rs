@@ -53,7 +53,8 @@ fn every_setting_can_be_written() {
         portable_bits: true,
         initial_log_std: -1.0,
         from: None,
-        shared: None,
+        policies: None,
+        credit: None,
         hidden: vec![32, 16],
     };
     assert_eq!(lowered(text), config);

@@ -106,10 +106,12 @@ fn casts_that_cannot_be_placed_or_named_are_refused() {
             "gets its place when the episode starts",
         ),
         ("ego: pedestrian()", "", "is a word of casts"),
+        ("a: pedestrian()", "training: ppo_paper", "so `credit` needs `policies`"),
         ("a: pedestrian()", "requirements: [me]", "ego to itself"),
     ] {
         let mut text = VAN.replace("CAST", cast).replace("REQUIRED", required);
-        if !required.is_empty() {
+        text = text.replace("ppo_paper", "ppo(credit: own)");
+        if required.contains("requirements") {
             text = text.replace("campaign van", "requirement me = always(ego.gap > 1 m)\ncampaign van");
         }
         std::fs::write(folder.path().join("van.scn"), text).unwrap();
@@ -118,4 +120,37 @@ fn casts_that_cannot_be_placed_or_named_are_refused() {
         assert_eq!(output.status.code(), Some(3), "{cast}: {text}");
         assert!(text.contains(why), "{cast}: {text}");
     }
+}
+
+#[test]
+fn roles_learn_policies_of_their_own_and_walk_by_them_in_evaluations_and_in_other_casts() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let text = VAN
+        .replace("campaign van", "body small { shape: child  others: 1 }\ncampaign van")
+        .replace("CAST", "child: pedestrian(body: small)  pair: pedestrian(count: 2)")
+        .replace("REQUIRED", "training: ppo(steps: 300, policies: each, credit: own, hidden: [8])")
+        .replace("evaluate", "train { towns: [street]  drivers: [idm()]  rewards: [r1]  runs: 1 }\n  evaluate")
+        .replace("[intercept]", "[trained, stochastic, untrained]");
+    std::fs::write(here.join("van.scn"), &text).unwrap();
+    let run = falsify(&["run", "van.scn"], here);
+    assert!(run.status.success(), "{run:?}");
+    let replayed = falsify(&["replay", "--all", "reports/van", "--trainings"], here);
+    let said_of = said(&replayed);
+    assert!(said_of.contains("180 repeated, 180 equal") && replayed.status.success(), "{said_of}");
+    // Each role has files of its own, and one of them can move another role.
+    let networks = here.join("reports/van/pedestrians");
+    let mut files: Vec<String> =
+        std::fs::read_dir(&networks).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+    files.sort();
+    let ends: Vec<&str> = files.iter().map(|file| file.rsplit_once("-0-").unwrap().1).collect();
+    assert_eq!(ends, ["child.onnx", "child.safetensors", "pair.onnx", "pair.safetensors"]);
+    let model = networks.join(&files[2]).display().to_string();
+    let text = VAN
+        .replace("campaign van", &format!("pedestrian learnt = onnx(model: \"{model}\")\ncampaign van"))
+        .replace("CAST", "child: pedestrian()  pair: pedestrian(moved_by: learnt, count: 2)")
+        .replace("REQUIRED", "");
+    std::fs::write(here.join("other.scn"), text).unwrap();
+    let run = falsify(&["run", "other.scn", "--out", "other"], here);
+    assert!(run.status.success(), "{run:?}");
 }

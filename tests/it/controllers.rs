@@ -162,7 +162,7 @@ fn a_network_walks_as_the_policy_that_it_was_written_from() {
     std::fs::write(&file, policy.to_onnx(&bounds, &Default::default())).unwrap();
     let campaign = campaign(&format!("onnx(model: \"{}\")", file.display()), DRIVER);
     let scenario = &campaign.nth::<compile::Evaluation>(0).scenario;
-    let mut written = TrainedWalker::new(policy, &scenario.cast, ActionMode::Deterministic);
+    let mut written = TrainedWalker::new(vec![policy], &scenario.cast, ActionMode::Deterministic);
     for (network, policy) in own(&campaign).iter().zip(&outcomes(scenario, &mut written)) {
         let same = std::mem::discriminant(&network.ending) == std::mem::discriminant(&policy.ending);
         assert!(same && (network.least_gap - policy.least_gap).abs() < 1e-3, "{network:?} instead of {policy:?}");

@@ -99,7 +99,7 @@ fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64;
 fn a_network_sees_and_does_in_its_file_what_it_saw_and_did_in_its_training() {
     let plan = plan("hold: 1  cars: 0  demonstrations: 15_000");
     let training = &plan.campaigns[0].nth::<Training>(0);
-    let networks = trained(training, 1).actor_critic;
+    let networks = trained(training, 1).policies.remove(0);
     let [learner, driver] = ways(&networks, training, 120);
     let far = learner[0].iter().zip(learner[learner.len() - 1]).map(|(a, b)| (a - b).abs()).sum::<f64>();
     assert!(learner.len() > 40 && far > 10.0, "it drives: {far} m in {} ticks", learner.len());
@@ -114,9 +114,8 @@ fn copies_of_one_start_that_take_turns_do_not_get_each_others_answers() {
     let plan = plan("hold: 1  cars: 0  demonstrations: 0");
     let training = &plan.campaigns[0].nth::<Training>(0);
     let learner = DriveEnv::new(&training.scenarios()[1], training.drive.as_ref().unwrap(), &Seed::root(9));
-    let (numbers, actions) = (learner.obs_dim(), learner.action_bounds().len());
-    let networks = learn::first_networks(numbers, actions, &training.config, &Seed::root(1));
-    let mut start = driven_by(&networks, &training.scenarios()[1]).simulation();
+    let networks = learn::first_networks(&learner.agents(), &training.config, &Seed::root(1));
+    let mut start = driven_by(&networks[0], &training.scenarios()[1]).simulation();
     start.place(Draw::new(&Seed::root(9), 0));
     let copies = || [start.snapshot().unwrap(), start.snapshot().unwrap()];
     let [mut alone, _] = copies();

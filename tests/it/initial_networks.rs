@@ -71,14 +71,14 @@ fn a_training_starts_with_the_weights_of_the_file_and_goes_on_after_an_interrupt
     let present = |run: &TrainingRun| ActorCritic::from_safetensors(&run.state(&BTreeMap::new())).unwrap().0;
     assert_eq!(present(&begin()), first);
     let whole = begin().carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
-    assert_ne!(whole.actor_critic, first, "it learns");
+    assert_ne!(whole.policies[0], first, "it learns");
     let mut cut = begin();
     cut.update().unwrap();
     let state = cut.state(&BTreeMap::new());
     let resumed =
         TrainingRun::resume(&state, from_ref(&training.scenario), None, 1, &training.config, &Seed::root(3)).unwrap();
     let resumed = resumed.carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
-    assert_eq!(resumed.actor_critic, whole.actor_critic);
+    assert_eq!(resumed.policies[0], whole.policies[0]);
     // A training that started elsewhere is not continued.
     let mut other = training.config.clone();
     other.from = None;

@@ -21,7 +21,8 @@ const TOLERANCE: f64 = 1e-6;
 fn write_case(folder: &Path, name: &str, config: &PpoConfig) {
     let rules = Rules { road: Road::Tee, obs: Units::Raw, act: Units::Raw, reward: Reward::R2, end: End::Lost };
     let mut worlds = [PedWorld::new(rules, Seed::root(1).stream())];
-    let policy = train(&mut worlds, config, &Seed::root(2), &mut |_| ControlFlow::Continue(())).unwrap().actor_critic;
+    let policy =
+        train(&mut worlds, config, &Seed::root(2), &mut |_| ControlFlow::Continue(())).unwrap().policies.remove(0);
     let [world] = &mut worlds;
     let bounds = world.action_bounds();
     let (mut obs, mut stack, mut scratch) = ([0.0; 4], FrameStack::new(4, config.frame_stack), policy.scratch(1));

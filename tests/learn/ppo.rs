@@ -68,7 +68,7 @@ fn the_identity_is_learnt() {
     let untrained = ActorCritic::new(1, 1, &config.hidden, 0.0, &mut Seed::root(1).child("init").stream());
     // A policy that always acts 0 has an error of 1/3.
     assert!(error(&untrained) > 0.3, "{}", error(&untrained));
-    assert!(error(&trained.actor_critic) < 0.01, "{}", error(&trained.actor_critic));
+    assert!(error(&trained.policies[0]) < 0.01, "{}", error(&trained.policies[0]));
     let (first, last) = (&trained.learning_curve[0], trained.learning_curve.last().unwrap());
     assert!(first.mean_reward.unwrap() < -0.4);
     assert!(last.mean_reward.unwrap() > 0.5 * first.mean_reward.unwrap());
@@ -98,7 +98,7 @@ fn the_same_seed_gives_the_same_bits_and_another_one_does_not() {
         train(&mut envs, &config(2_000), &Seed::root(seed), &mut keep_going).unwrap()
     };
     let bits = |trained: &Trained| -> Vec<u32> {
-        trained.actor_critic.parameters().iter().map(|parameter| parameter.to_bits()).collect()
+        trained.policies[0].parameters().iter().map(|parameter| parameter.to_bits()).collect()
     };
     let (a, b, c) = (run(1), run(1), run(2));
     assert_eq!(bits(&a), bits(&b));
@@ -150,12 +150,11 @@ fn portable_bits_change_no_more_than_rounding() {
     let (plain, widest) = (run(true), run(false));
     // The experience is the same bit for bit: only learning uses wide instructions.
     assert_eq!(plain.learning_curve[0].finished, widest.learning_curve[0].finished);
-    for (a, b) in plain.actor_critic.parameters().iter().zip(widest.actor_critic.parameters()) {
+    for (a, b) in plain.policies[0].parameters().iter().zip(widest.policies[0].parameters()) {
         assert!((a - b).abs() < 1e-3, "{a} against {b}");
     }
     // The recorded bits of the plain path, for every processor.
-    let digest = plain
-        .actor_critic
+    let digest = plain.policies[0]
         .parameters()
         .iter()
         .fold(0u64, |sum, x| sum.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(u64::from(x.to_bits())));
@@ -176,9 +175,9 @@ fn a_schedule_reaches_the_optimiser() {
     let mut trainer = Trainer::new(&mut envs, &shorter, &Seed::root(1)).unwrap();
     trainer.update(&mut envs).unwrap();
     trainer.update(&mut envs).unwrap();
-    let before = trainer.actor_critic().clone();
+    let before = trainer.policies()[0].clone();
     trainer.update(&mut envs).unwrap();
-    assert!(trainer.actor_critic() == &before);
+    assert!(trainer.policies()[0] == before);
     let constant = train(&mut [Identity::new(0)], &config(450), &Seed::root(1), &mut keep_going).unwrap();
     assert!(constant.learning_curve.iter().all(|log| log.learning_rate == 3e-4));
 }
@@ -207,7 +206,7 @@ fn normalising_learns_what_badly_scaled_numbers_keep_from_learning() {
     let error = |normalize| {
         let config = PpoConfig { normalize_observations: normalize, normalize_rewards: normalize, ..config(30_000) };
         let mut envs = [Scaled(Identity::new(0))];
-        let policy = train(&mut envs, &config, &Seed::root(1), &mut keep_going).unwrap().actor_critic;
+        let policy = train(&mut envs, &config, &Seed::root(1), &mut keep_going).unwrap().policies.remove(0);
         let (mut action, mut scratch, mut squares) = ([0.0], policy.scratch(1), 0.0);
         for i in 0..=200 {
             let target = f64::from(i) / 100.0 - 1.0;
@@ -245,7 +244,7 @@ fn stacked_observations_let_a_policy_remember() {
     let mean_reward = |frame_stack| {
         let config = PpoConfig { frame_stack, ..config(45_000) };
         let trained = train(&mut [Memory(Identity::new(0), false)], &config, &Seed::root(1), &mut keep_going).unwrap();
-        assert_eq!(trained.actor_critic.obs_dim(), frame_stack);
+        assert_eq!(trained.policies[0].obs_dim(), frame_stack);
         trained.learning_curve.last().unwrap().mean_reward.unwrap()
     };
     let (without, with) = (mean_reward(1), mean_reward(2));

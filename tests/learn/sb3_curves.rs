@@ -106,7 +106,7 @@ fn training(recording: &Value, number: u64) -> Training {
     }
     let curve: Vec<f64> = rewards.iter().zip(&episodes).map(|(reward, count)| reward / count.max(1.0)).collect();
     eprintln!("seed {number}: {curve:.2?}");
-    Training { collision: collision_rate(&trained.actor_critic, rules, &starts(recording)), area: mean(&curve) }
+    Training { collision: collision_rate(&trained.policies[0], rules, &starts(recording)), area: mean(&curve) }
 }
 
 /// The probability that samples of one distribution differ in their ranks at least as much as these do.

@@ -1,7 +1,7 @@
 //! Trainings that stop and go on.
 
 use base::seed::{Seed, Stream};
-use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Schedule, Step, Trainer, UpdateLog};
+use learn::{ActorCritic, Agent, CheckpointError, Env, PpoConfig, Schedule, Step, Trained, Trainer, UpdateLog};
 use rand::Rng;
 use std::collections::BTreeMap;
 
@@ -117,6 +117,97 @@ fn a_training_continues_as_if_it_had_not_been_interrupted() {
     }
 }
 
+/// Two walks side by side, each of an agent with a policy of its own; episodes are those of the first. The second sees and moves one of its numbers.
+struct Pair([Walk; 2], f64);
+
+impl Env for Pair {
+    fn agents(&self) -> Vec<Agent> {
+        let agent = |policy, obs_dim| Agent {
+            policy,
+            obs_dim,
+            action_bounds: vec![(-1.0, 1.0), (-0.5, 2.0)][..obs_dim].into(),
+        };
+        vec![agent(0, 2), agent(1, 1)]
+    }
+
+    fn obs_dim(&self) -> usize {
+        3
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.agents().into_iter().flat_map(|agent| agent.action_bounds).collect()
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        self.0[0].reset(&mut obs[..2]);
+        let mut both = [0.0; 2];
+        self.0[1].reset(&mut both);
+        obs[2] = both[0];
+    }
+
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+        let mut both = [0.0; 2];
+        self.1 = self.0[1].step(&[action[2], 0.0], &mut both).reward;
+        obs[2] = both[0];
+        self.0[0].step(&action[..2], &mut obs[..2])
+    }
+
+    fn credit(&self, agent: usize, reward: f64) -> f64 {
+        if agent == 0 { reward } else { self.1 }
+    }
+
+    fn potential(&self) -> f64 {
+        self.0[0].potential()
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        Some([self.0[0].save()?, self.0[1].save()?].concat())
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        let (first, second) = state.split_at(state.len() / 2);
+        self.0[0].load(first) && self.0[1].load(second)
+    }
+}
+
+#[test]
+fn each_policy_learns_from_its_own_agents_as_if_it_were_alone() {
+    let pair = |number| [Pair([Walk::new(number), Walk::new(number + 5)], 0.0)];
+    for config in configs() {
+        let mut alone = [Walk::new(0)];
+        let mut one = Trainer::new(&mut alone, &config, &Seed::root(1)).unwrap();
+        let mut envs = pair(0);
+        let mut both = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+        let begun = both.policies().to_vec();
+        for update in 0..4 {
+            one.update(&mut alone).unwrap();
+            both.update(&mut envs).unwrap();
+            assert_eq!(both.policies()[0], one.policies()[0], "update {update}");
+        }
+        let [_, second] = both.policies() else { panic!("there are two policies") };
+        let frames = config.frame_stack;
+        assert_eq!((second.obs_dim(), second.action_dim()), (frames, 1));
+        assert!(second.parameters() != begun[1].parameters(), "the second learns, too");
+        assert_eq!(both.steps(), one.steps());
+        // It goes on after an interruption, and its curve and its policies can be read.
+        let state = both.state(&envs, &BTreeMap::new());
+        let mut others = pair(7);
+        let mut resumed = Trainer::from_state(&state, &mut others, &config).unwrap();
+        assert_eq!(both.update(&mut envs).unwrap(), resumed.update(&mut others).unwrap());
+        let state = both.state(&envs, &BTreeMap::new());
+        assert_eq!(resumed.state(&others, &BTreeMap::new()), state);
+        let read = Trained::from_safetensors(&state).unwrap();
+        assert_eq!(
+            (read.policies.as_slice(), read.learning_curve.as_slice()),
+            (both.policies(), both.learning_curve())
+        );
+        let trained = both.finish();
+        assert_eq!(Trained::from_safetensors(&trained.to_safetensors()).unwrap(), trained);
+        let lone = Trainer::from_state(&one.state(&alone, &BTreeMap::new()), &mut pair(0), &config);
+        assert!(matches!(lone, Err(CheckpointError::Policies { found: 1, expected: 2 })));
+    }
+}
+
 #[test]
 fn an_environment_that_cannot_be_saved_begins_anew() {
     for config in configs() {
@@ -144,7 +235,7 @@ fn the_policy_can_be_read_from_a_state() {
         let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
         trainer.update(&mut envs).unwrap();
         let (policy, _) = ActorCritic::from_safetensors(&bytes(&trainer, &envs)).unwrap();
-        assert_eq!(&policy, trainer.actor_critic());
+        assert_eq!(policy, trainer.policies()[0]);
     }
 }
 

@@ -67,15 +67,24 @@ impl Lowering<'_> {
         Axis { id, name: self.axis_name(id), value }
     }
 
-    /// A training of pedestrians whose states have this number of numbers together, each of them the same if one policy moves them all.
-    pub(crate) fn training(&mut self, id: DeclarationId, state: usize, agents: usize) -> Axis<PpoConfig> {
+    /// A training of pedestrians whose states have these numbers of numbers.
+    pub(crate) fn training(&mut self, id: DeclarationId, states: &[usize]) -> Axis<PpoConfig> {
         let declaration = self.program.get(id);
         let block = &declaration.block;
         let mut config: PpoConfig = block.keys();
-        let state = if config.shared.is_some() { state / agents } else { state };
+        if config.credit.is_some() && config.policies.is_none() {
+            let message =
+                "one policy for all pedestrians at once earns what the episode does, so `credit` needs `policies`";
+            self.said.push(diagnostics::contradiction(block.place("credit"), message.into()));
+        }
+        let sizes: Vec<_> = match config.policies {
+            Some(_) => states.iter().map(|state| (*state, 2)).collect(),
+            None => vec![(states.iter().sum(), 2 * states.len())],
+        };
+        let state = sizes.iter().map(|size| size.0).max().unwrap_or_default();
         let decisions = config.steps_per_update.saturating_mul(config.environments);
         config.batch_size = config.batch_size.min(decisions);
-        training::read_networks(declaration, &mut config, state, self);
+        training::read_networks(declaration, &mut config, &sizes, self);
         if config.hard_starts.is_some() && config.starts.is_none() {
             let message = "hard starts are looked for among kept ones, so `hard_starts` needs `starts`".to_string();
             self.said.push(diagnostics::contradiction(block.place("hard_starts"), message));

@@ -58,7 +58,7 @@ impl Lowering<'_> {
         let (car, walker) = (self.vehicle(keys.vehicle), self.adversary(keys.body));
         let roles = Arc::new(self.roles(block, keys.cast.as_deref()));
         self.compare_signals(declaration, &roles);
-        let training = keys.training.map(|id| self.training(id, roles.obs_dim(&walker.value), roles.agents()));
+        let training = keys.training.map(|id| self.training(id, &roles.states(&walker.value)));
         let usual = Usual { car, walker, roles, rule, requirements: Required { ids, all }, training };
         let campaign = Campaign {
             name: declaration.name.clone(),

@@ -53,7 +53,7 @@ impl Lowering<'_> {
             (config.frame_stack != 1, "frame_stack: 1"),
             (config.normalize_observations, "normalize_observations: false"),
             (config.from.is_some(), "no `from`"),
-            (config.shared.is_some(), "no `shared`"),
+            (config.policies.is_some(), "no `policies`"),
         ];
         if let Some((_, needed)) = unfit.into_iter().find(|(is_wrong, _)| *is_wrong) {
             let message =

@@ -26,14 +26,14 @@ pub fn trained_without_training(span: Span) -> Diagnostic {
 
 /// One policy is to move each of several trained pedestrians, which see or choose other numbers.
 pub fn unshared_policy(span: Span) -> Diagnostic {
-    let message = "`shared` of the training needs pedestrians that see and choose the same";
-    contradiction(span, message.into()).help("give the trained roles of the cast one `body`, or omit `shared`")
+    let message = "`policies: shared` of the training needs pedestrians that see and choose the same";
+    contradiction(span, message.into()).help("give the trained roles of the cast one `body`, or write `policies: each`")
 }
 
 /// A search is to learn what each pedestrian adds.
 pub fn removal_search(span: Span) -> Diagnostic {
-    let message = "`shared: removal` runs episodes again, in ticks that the budget of a search does not have";
-    contradiction(span, message.into()).help("give the `method` a `training` with `shared: team` or `shared: own`")
+    let message = "`credit: removal` runs episodes again, in ticks that the budget of a search does not have";
+    contradiction(span, message.into()).help("give the `method` a `training` with `credit: team` or `credit: own`")
 }
 
 /// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.
@@ -183,10 +183,10 @@ pub fn unreachable_speed(span: Span, name: &str, comparison: &str, limit: f64) -
 pub fn uncopied_removal(span: Span) -> Diagnostic {
     contradiction(
         span,
-        "`shared: removal` runs an episode again from its start, and a driver that is a program cannot be copied"
+        "`credit: removal` runs an episode again from its start, and a driver that is a program cannot be copied"
             .into(),
     )
-    .help("`shared: team` and `shared: own` need no copy")
+    .help("`credit: team` and `credit: own` need no copy")
 }
 
 /// A test of a protocol has more cases than episodes, or some cases are run once more than others.

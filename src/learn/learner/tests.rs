@@ -29,14 +29,16 @@ impl Env for Echo {
 }
 
 /// A rollout of the identity task and a learner that has not learned from it yet.
-fn learner_and_rollout(config: &PpoConfig) -> (Learner, Vec<Rollout>) {
+fn learner_and_rollout(config: &PpoConfig) -> (ActorCritic, Learner, Vec<Rollout>) {
     let mut policy = ActorCritic::new(1, 1, &config.hidden, 0.0, &mut Seed::root(1).stream());
     let mut rollouts = vec![Rollout::new(150, 1, 1)];
     let mut envs = [Echo(Seed::root(40).stream(), 0.0)];
-    let mut collector = Collector::new(&envs, &policy, config, &Seed::root(2), Path::widest());
-    collector.begin(&mut envs, &mut policy).unwrap();
-    collector.collect(&mut envs, &mut policy, &mut rollouts, &|| false).unwrap().unwrap();
-    (Learner::new(policy, config, 150, Path::widest()), rollouts)
+    let policies = std::slice::from_mut(&mut policy);
+    let mut collector = Collector::new(&envs, policies, config, &Seed::root(2), Path::widest());
+    collector.begin(&mut envs, policies).unwrap();
+    collector.collect(&mut envs, policies, &mut rollouts, &|| false).unwrap().unwrap();
+    let learner = Learner::new(&policy, config, (0..150).collect(), Path::widest());
+    (policy, learner, rollouts)
 }
 
 /// A different order for every epoch.
@@ -51,8 +53,8 @@ const LEARNING_RATE: f64 = 3e-4;
 fn every_epoch_has_an_order_of_its_own() {
     let after = |epochs| {
         let config = PpoConfig { epochs, ..PpoConfig::paper() };
-        let (mut learner, rollouts) = learner_and_rollout(&config);
-        learner.learn(&rollouts, &config, LEARNING_RATE, &mut shuffled()).unwrap();
+        let (mut policy, mut learner, rollouts) = learner_and_rollout(&config);
+        learner.learn(&mut policy, &rollouts, &config, LEARNING_RATE, &mut shuffled()).unwrap();
         learner.order
     };
     let (first, second) = (after(1), after(2));
@@ -68,9 +70,9 @@ fn the_reported_divergence_is_that_of_the_last_epoch() {
     let run = |epochs| {
         let config = PpoConfig { epochs, batch_size: 150, ..PpoConfig::paper() };
         let learning_rate = 3e-3;
-        let (mut learner, rollouts) = learner_and_rollout(&config);
-        let means = learner.learn(&rollouts, &config, learning_rate, &mut shuffled()).unwrap();
-        (means.approx_kl, learner.loss.compute(&learner.policy, &learner.batch, &config).approx_kl)
+        let (mut policy, mut learner, rollouts) = learner_and_rollout(&config);
+        let means = learner.learn(&mut policy, &rollouts, &config, learning_rate, &mut shuffled()).unwrap();
+        (means.approx_kl, learner.loss.compute(&policy, &learner.batch, &config).approx_kl)
     };
     let (_, after_two) = run(2);
     let (reported, _) = run(3);
@@ -83,11 +85,11 @@ fn an_update_ends_before_the_step_whose_divergence_is_too_high() {
     let learning_rate = 1e-2;
     let run = |target_kl| {
         let config = PpoConfig { target_kl, ..PpoConfig::paper() };
-        let (mut learner, rollouts) = learner_and_rollout(&config);
-        let means = learner.learn(&rollouts, &config, learning_rate, &mut shuffled()).unwrap();
+        let (mut policy, mut learner, rollouts) = learner_and_rollout(&config);
+        let means = learner.learn(&mut policy, &rollouts, &config, learning_rate, &mut shuffled()).unwrap();
         // The divergence of the updated policy on the current minibatch.
-        let kl = learner.loss.compute(&learner.policy, &learner.batch, &config).approx_kl;
-        (means, learner.policy, kl)
+        let kl = learner.loss.compute(&policy, &learner.batch, &config).approx_kl;
+        (means, policy, kl)
     };
     let (free, unstopped, _) = run(None);
     assert_eq!(free.gradient_steps, 30);

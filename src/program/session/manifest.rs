@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Input, Planned, RunOptions, Session};
 use compile::{Campaign, Job, Training};
 use results::campaign::Finished;
-use results::jobs::{SearchResult, TrainingResult, pedestrian_file};
+use results::jobs::{SearchResult, TrainingResult, pedestrian_files};
 use results::report::{
     Call, FileRecord, Findings, Gathered, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
     TrainingRecord, WriteError, held_places,
@@ -108,8 +108,10 @@ impl Session {
 
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {
     let key = &training.key;
-    let is_it = |job: &Job| job.of().is_some_and(|planned: &Training| planned.key == *key);
-    let place = campaign.jobs.iter().position(is_it).expect("it was planned");
+    let is_it = |(place, job): (usize, &'_ Job)| {
+        Some((place, job.of::<Training>().filter(|planned| planned.key == *key)?.clone()))
+    };
+    let (place, planned) = campaign.jobs.iter().enumerate().find_map(is_it).expect("it was planned");
     let fingerprint = campaign.jobs[place].origin().fingerprint.to_string();
     TrainingRecord {
         town: key.town.clone(),
@@ -119,7 +121,7 @@ fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> Trai
         decisions: training.decisions,
         wall_time_s: times.jobs[place],
         pedestrian: match training.result {
-            Ok(_) => pedestrian_file(key, "safetensors"),
+            Ok(_) => pedestrian_files(&planned, "safetensors").join(", "),
             Err(_) => String::new(),
         },
         error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),

@@ -96,7 +96,7 @@ impl Source {
         let stored = self.report.episode(name.run, name.number, guess)?;
         let Some(stored) = stored else { return Err(self.missing(name, "episode")) };
         let trained = self.trained(evaluation)?;
-        let repeatable = Repeatable::Episode { evaluation, networks: trained.as_ref(), number: name.number };
+        let repeatable = Repeatable::Episode { evaluation, networks: trained.as_deref(), number: name.number };
         let seen = repeatable.repeat(&self.seed).expect("an episode that is tried comes to an end");
         let key = Arc::new(RunKey::of(evaluation));
         let row = EpisodeRow::new(&key, name.number, seen.judged.clone(), &seen.trace.main_pair(&seen.scenario));

@@ -11,7 +11,7 @@ use super::held_files::HeldFiles;
 use super::held_programs::HeldPrograms;
 use super::{Change, ChangedProgram, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
-use compile::{Campaign, Evaluation, Job, RunId, Search};
+use compile::{Campaign, Evaluation, Job, RunId, Search, Training};
 use learn::ActorCritic;
 use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
 
@@ -280,7 +280,8 @@ impl Source {
     ///
     /// # Errors
     /// Their file cannot be read.
-    pub fn trained(&self, evaluation: &Evaluation) -> Result<Option<ActorCritic>, ReadError> {
-        evaluation.origin.needs.map(|_| self.report.pedestrian(&evaluation.trained)).transpose()
+    pub fn trained(&self, evaluation: &Evaluation) -> Result<Option<Vec<ActorCritic>>, ReadError> {
+        let training = evaluation.origin.needs.and_then(|place| self.campaign.jobs[place].of::<Training>());
+        training.map(|training| self.report.pedestrian(training)).transpose()
     }
 }

@@ -18,7 +18,7 @@ use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_observed,
 /// When the evaluation is of a trained pedestrian and there is none.
 pub fn watch<T>(
     evaluation: &Evaluation,
-    trained: Option<&ActorCritic>,
+    trained: Option<&[ActorCritic]>,
     episodes: Range<u32>,
     seed: &Seed,
     note: &mut dyn FnMut(&Outcome, &Trace) -> T,
@@ -31,7 +31,7 @@ pub fn watch<T>(
 /// As [`watch`], but `note` also gets the number of the episode: several episodes may run at once.
 pub(super) fn watch_numbered<T>(
     evaluation: &Evaluation,
-    trained: Option<&ActorCritic>,
+    trained: Option<&[ActorCritic]>,
     episodes: Range<u32>,
     seed: &Seed,
     note: &mut dyn FnMut(u32, &Outcome, &Trace) -> T,
@@ -39,7 +39,7 @@ pub(super) fn watch_numbered<T>(
 ) -> Vec<T> {
     let learnt = |mode| -> Box<dyn WalkPolicy> {
         let trained = trained.expect("a trained pedestrian comes with its networks");
-        Box::new(TrainedWalker::new(trained.clone(), &evaluation.scenario.cast, mode))
+        Box::new(TrainedWalker::new(trained.to_vec(), &evaluation.scenario.cast, mode))
     };
     let mut walker: Box<dyn WalkPolicy> = match &evaluation.controller {
         ControllerKind::Untrained(controller) => controller.walk_policy(),

@@ -59,7 +59,7 @@ impl Work for Evaluation {
     fn run(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>> {
         let trained = match self.origin.needs.map(|training| part.result_of::<TrainingResult>(training)) {
             None => None,
-            Some(Some(TrainingResult { result: Ok(trained), .. })) => Some(&trained.actor_critic),
+            Some(Some(TrainingResult { result: Ok(trained), .. })) => Some(trained.policies.as_slice()),
             // A training that was stopped continues in a later run.
             Some(None) => return None,
             Some(Some(TrainingResult { result: Err(TaskError::Training(error)), .. })) if error.is_stopped() => {
@@ -98,7 +98,7 @@ impl Rows {
 }
 
 /// Runs the episodes of a part that the store does not have.
-fn run_episodes(plan: &Evaluation, part: &Part<'_>, trained: Option<&ActorCritic>) -> PartResult {
+fn run_episodes(plan: &Evaluation, part: &Part<'_>, trained: Option<&[ActorCritic]>) -> PartResult {
     let wanted = plan.chunk(part.task.part);
     let (earlier, before) = match part.results.get(part.task).map(|stored| stored.bytes) {
         None => (Vec::new(), 0),

@@ -22,7 +22,7 @@ pub use episodes::watch;
 pub use measurement::{Measured, Measurement};
 pub use repeat::{Repeatable, Repeated};
 pub use search::{Find, SearchResult};
-pub use training::{TrainingResult, learning_curve_lines, networks, pedestrian_file};
+pub use training::{TrainingResult, learning_curve_lines, networks, pedestrian_files};
 
 use crate::campaign::{Collect, Part, State, TaskError};
 use crate::record::TableReference;

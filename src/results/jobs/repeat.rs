@@ -15,7 +15,7 @@ use world::sim::WalkCommand;
 #[derive(Debug, Clone, Copy)]
 pub enum Repeatable<'a> {
     /// An episode of an evaluation. A trained pedestrian needs its networks.
-    Episode { evaluation: &'a Evaluation, networks: Option<&'a ActorCritic>, number: u32 },
+    Episode { evaluation: &'a Evaluation, networks: Option<&'a [ActorCritic]>, number: u32 },
     /// A failure that a search found from a start.
     Find { search: &'a Search, start: u64, commands: &'a [WalkCommand] },
 }

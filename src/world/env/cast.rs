@@ -5,6 +5,7 @@ use crate::av::DrivingPolicy;
 use crate::falsifier;
 use crate::sim::{ActorId, PedestrianBody, VehicleBlueprint, WalkCommand};
 use base::choice;
+use learn::{Agent, Policies};
 
 /// Makes a fresh driving policy; every episode's environment owns one for each vehicle.
 pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
@@ -154,12 +155,21 @@ impl Cast {
         self.controlled().map(|(_, role)| role.observation.dim()).sum()
     }
 
-    /// The numbers of a state and the bounds of an action of a policy of all controlled pedestrians: joint ones, or those of one pedestrian.
-    pub fn policy_dims(&self, shared: bool) -> (usize, Vec<(f64, f64)>) {
-        match self.controlled().next().filter(|_| shared) {
-            Some((_, role)) => (role.observation.dim(), role.action.bounds().to_vec()),
-            None => (self.obs_dim(), self.action_bounds()),
-        }
+    /// The agents that choose for the controlled pedestrians: one for all of them, or one each, whose policy is that of all or of its role.
+    pub fn agents(&self, policies: Option<Policies>) -> Vec<Agent> {
+        let Some(policies) = policies else {
+            return vec![Agent { policy: 0, obs_dim: self.obs_dim(), action_bounds: self.action_bounds() }];
+        };
+        let mut roles = Vec::new();
+        let agents = self.controlled().map(|(number, role)| {
+            let own = self.role(number);
+            if !roles.contains(&own) && (policies == Policies::Each || roles.is_empty()) {
+                roles.push(own);
+            }
+            let policy = roles.iter().position(|each| *each == own).unwrap_or_default();
+            Agent { policy, obs_dim: role.observation.dim(), action_bounds: role.action.bounds().to_vec() }
+        });
+        agents.collect()
     }
 
     /// The bounds of a joint action: those of all controlled pedestrians, one after another.

@@ -4,7 +4,7 @@ use crate::env::Simulation;
 use base::keys;
 use base::seed::Seed;
 use base::signature::DeclarationId;
-use learn::{Env, PpoConfig, Step, Trainer};
+use learn::{ActorCritic, Agent, Env, PpoConfig, Step, Trainer};
 
 keys! {
     /// Trains a pedestrian by proximal policy optimisation.
@@ -19,7 +19,7 @@ keys! {
 /// Learning by PPO as a falsifier: the failures are those of the training.
 ///
 /// The budget replaces the training's number of steps; schedules end with the decisions that fit into it. Several environments have equal
-/// shares of the budget. An update is discarded if the first share is used up in it. A policy that pedestrians share earns as a team, or each its own
+/// shares of the budget. An update is discarded if the first share is used up in it. Pedestrians that choose for themselves earn as a team, or each its own
 /// touch: what an episode earns without one of them takes ticks that the budget does not have.
 #[derive(Debug, Clone)]
 pub struct Learning(pub PpoConfig);
@@ -35,16 +35,16 @@ struct Ground<'a> {
 }
 
 impl Env for Ground<'_> {
-    fn agents(&self) -> usize {
-        self.agents.as_ref().map_or(1, Agents::count)
+    fn agents(&self) -> Vec<Agent> {
+        self.agents.as_ref().map_or_else(|| self.share.scenario().cast.agents(None), |agents| agents.all().to_vec())
     }
 
     fn obs_dim(&self) -> usize {
-        self.share.scenario().cast.policy_dims(self.agents.is_some()).0
+        self.share.scenario().cast.obs_dim()
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
-        self.share.scenario().cast.policy_dims(self.agents.is_some()).1
+        self.share.scenario().cast.action_bounds()
     }
 
     fn credit(&self, agent: usize, reward: f64) -> f64 {
@@ -87,7 +87,7 @@ impl Falsifier for Learning {
         let run_up = u64::from(scenario.most_run_up());
         let stride = self.0.environments as u64;
         let shares = simulator.shares(stride);
-        let agents = || self.0.shared.map(|credit| Agents::new(&cast, credit));
+        let agents = || Agents::new(&cast, &self.0);
         let mut grounds: Vec<Ground<'_>> =
             (0..).zip(shares).map(|(next, share)| Ground { share, agents: agents(), next, stride }).collect();
         let config = PpoConfig { steps: (simulator.left() / hold).max(1), ..self.0.clone() };
@@ -103,15 +103,15 @@ fn train(
     config: &PpoConfig,
     longest: u64,
     seed: &Seed,
-) -> Result<learn::ActorCritic, learn::TrainError> {
+) -> Result<Vec<ActorCritic>, learn::TrainError> {
     let most = config.steps_per_update as u64 * longest;
     let mut trainer = Trainer::new(grounds, config, seed)?;
     loop {
         let enough = grounds.iter().all(|ground| ground.share.left() >= most);
-        let before = (!enough).then(|| trainer.actor_critic().clone());
+        let before = (!enough).then(|| trainer.policies().to_vec());
         trainer.update(grounds)?;
         if grounds.iter().any(|ground| ground.share.is_spent()) {
-            return Ok(before.unwrap_or_else(|| trainer.finish().actor_critic));
+            return Ok(before.unwrap_or_else(|| trainer.finish().policies));
         }
     }
 }

@@ -2,7 +2,7 @@ use super::WalkPolicy;
 use crate::env::{ActionSpec, Cast, Scene};
 use crate::sim::WalkCommand;
 use base::seed::Stream;
-use learn::{ActorCritic, FrameStack, Scratch};
+use learn::{ActorCritic, FrameStack, Policies, Scratch};
 
 /// The choice of an action by a trained policy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,17 +13,15 @@ pub enum ActionMode {
     Stochastic,
 }
 
-/// A trained policy.
+/// Trained policies: one that chooses for all pedestrians of a cast or for each of them, or one for each role.
 ///
-/// It gets as many of the last states as in training. It normalises them as at the end of the training.
+/// A policy gets as many of the last states as in training. It normalises them as at the end of the training.
 #[derive(Debug, Clone)]
 pub struct TrainedWalker {
-    actor_critic: ActorCritic,
-    scratch: Scratch,
+    policies: Vec<(ActorCritic, Scratch)>,
     mode: ActionMode,
     stream: Option<Stream>,
-    /// The last states of the episode: joint ones, or those of each pedestrian.
-    stacks: Vec<FrameStack>,
+    agents: Vec<Agent>,
     /// Memory for a state and an action.
     state: Vec<f64>,
     action: Vec<f64>,
@@ -31,24 +29,41 @@ pub struct TrainedWalker {
     begun: bool,
 }
 
+/// One that a policy moves.
+#[derive(Debug, Clone)]
+struct Agent {
+    policy: usize,
+    /// The numbers of its state.
+    obs_dim: usize,
+    /// The last states of the episode.
+    stack: FrameStack,
+}
+
 impl TrainedWalker {
-    /// Makes a walk policy of a trained policy, for the controlled pedestrians of a cast. One that chooses for one pedestrian chooses for each of them.
+    /// Makes a walk policy of trained ones, for the controlled pedestrians of a cast. A single one that chooses for one pedestrian chooses for each of them.
     ///
     /// # Panics
-    /// When the policy does not expect one or several of their states.
-    pub fn new(actor_critic: ActorCritic, cast: &Cast, mode: ActionMode) -> Self {
-        let controlled = cast.controlled().count();
-        let shared = controlled > 1 && actor_critic.action_dim() == ActionSpec::DIM;
-        let obs_dim = cast.policy_dims(shared).0;
-        assert!(actor_critic.obs_dim().is_multiple_of(obs_dim), "a policy gets whole states");
-        let stack = FrameStack::new(obs_dim, actor_critic.obs_dim() / obs_dim);
-        let agents = if shared { controlled } else { 1 };
+    /// When a policy does not expect one or several states of whom it moves, or when there is none for a role.
+    pub fn new(policies: Vec<ActorCritic>, cast: &Cast, mode: ActionMode) -> Self {
+        let kind = match &policies[..] {
+            [joint] if joint.action_dim() > ActionSpec::DIM => None,
+            [_] => Some(Policies::Shared),
+            _ => Some(Policies::Each),
+        };
+        let agents = cast.agents(kind).into_iter().map(|learn::Agent { policy, obs_dim, .. }| {
+            let seen = policies[policy].obs_dim();
+            assert!(seen.is_multiple_of(obs_dim), "a policy gets whole states");
+            Agent { policy, obs_dim, stack: FrameStack::new(obs_dim, seen / obs_dim) }
+        });
+        let with_scratch = |policy: ActorCritic| {
+            let scratch = policy.scratch(1);
+            (policy, scratch)
+        };
         Self {
-            scratch: actor_critic.scratch(1),
-            stacks: vec![stack; agents],
-            state: vec![0.0; obs_dim * agents],
-            action: vec![0.0; actor_critic.action_dim() * agents],
-            actor_critic,
+            agents: agents.collect(),
+            state: vec![0.0; cast.obs_dim()],
+            action: vec![0.0; cast.action_bounds().len()],
+            policies: policies.into_iter().map(with_scratch).collect(),
             mode,
             stream: None,
             begun: false,
@@ -64,20 +79,18 @@ impl WalkPolicy for TrainedWalker {
 
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         scene.write_state(&mut self.state);
-        let agents = self.stacks.len();
-        let states = self.state.chunks(self.state.len() / agents);
-        let actions = self.action.chunks_mut(self.actor_critic.action_dim());
-        for ((stack, state), action) in self.stacks.iter_mut().zip(states).zip(actions) {
+        let (mut states, mut actions) = (self.state.as_slice(), self.action.as_mut_slice());
+        for Agent { policy, obs_dim, stack } in &mut self.agents {
+            let (networks, scratch) = &mut self.policies[*policy];
+            let state = states.split_off(..*obs_dim).unwrap_or_default();
+            let action = actions.split_off_mut(..networks.action_dim()).unwrap_or_default();
             match self.begun {
                 true => stack.push(state),
                 false => stack.begin(state),
             }
-            let seen = stack.as_slice();
             match (self.mode, &mut self.stream) {
-                (ActionMode::Stochastic, Some(stream)) => {
-                    self.actor_critic.sample(seen, action, &mut self.scratch, stream);
-                }
-                _ => self.actor_critic.act(seen, action, &mut self.scratch),
+                (ActionMode::Stochastic, Some(stream)) => networks.sample(stack.as_slice(), action, scratch, stream),
+                _ => networks.act(stack.as_slice(), action, scratch),
             }
         }
         self.begun = true;

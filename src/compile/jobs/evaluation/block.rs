@@ -12,6 +12,7 @@ use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
 use lang::diagnostics;
 use lang::hir::Block;
+use learn::Policies;
 use world::env::HERE;
 use world::env::{RewardRule, Scenario};
 
@@ -132,7 +133,7 @@ impl Lowering<'_> {
                 let declared = chosen.iter().find(|each| each.controller == *controller).and_then(|each| each.declared);
                 scenarios[&(trained.reward.as_str(), declared)].clone()
             };
-            let shared = usual.training.as_ref().is_some_and(|training| training.value.shared.is_some());
+            let shared = usual.training.as_ref().is_some_and(|axis| axis.value.policies == Some(Policies::Shared));
             for (controller, trained, _) in &controllers {
                 let training = campaign.all::<Training>().find(|training| training.key == **trained);
                 let state = |scenario: &Scenario| {

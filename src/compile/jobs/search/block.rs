@@ -10,7 +10,7 @@ use base::keys;
 use base::signature::{DeclarationId, Keys};
 use lang::diagnostics;
 use lang::hir::Block;
-use learn::Credit;
+use learn::{Credit, Policies};
 use world::env::{Criterion, PedestrianRole, RewardRule, Scenario};
 use world::falsifier::Falsifier;
 use world::requirement::NamedRequirement;
@@ -128,19 +128,17 @@ impl Lowering<'_> {
         body: &Axis<PedestrianRole>,
         usual: &Usual,
     ) -> Vec<Rival> {
-        let (state, roles, usual) = (usual.roles.obs_dim(&body.value), &usual.roles, usual.training.as_ref());
+        let (states, roles, usual) = (usual.roles.states(&body.value), &usual.roles, usual.training.as_ref());
         let mut rivals = Vec::new();
         for id in ids {
             let declaration = self.program.get(*id);
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
-                Some(id) => Some(self.training(id, state, roles.agents())),
+                Some(id) => Some(self.training(id, &states)),
                 // Its first networks were checked for the campaign's pedestrian, who may have other states.
                 None => usual.map(|axis| match axis.value.from.as_ref().and_then(|from| from.networks.as_ref()) {
-                    Some(first) if first.obs_dim() != state * axis.value.frame_stack => {
-                        self.training(axis.id, state, roles.agents())
-                    }
-                    _ => axis.clone(),
+                    Some(_) => self.training(axis.id, &states),
+                    None => axis.clone(),
                 }),
             };
             let learns = falsifier::learns(&self.catalog.falsifiers, declaration);
@@ -148,10 +146,11 @@ impl Lowering<'_> {
                 self.said.push(diagnostics::no_training(at.campaign.head, declaration.block.head));
                 continue;
             }
-            let shared = training.as_ref().and_then(|axis| axis.value.shared);
-            if learns && shared.is_some() && !roles.is_uniform(&body.value) {
+            let learnt = training.as_ref().map(|axis| &axis.value).filter(|_| learns);
+            if learnt.is_some_and(|config| config.policies == Some(Policies::Shared)) && !roles.is_uniform(&body.value)
+            {
                 self.said.push(diagnostics::unshared_policy(declaration.block.head));
-            } else if learns && shared == Some(Credit::Removal) {
+            } else if learnt.is_some_and(|config| config.credit == Some(Credit::Removal)) {
                 self.said.push(diagnostics::removal_search(declaration.block.head));
             }
             let controller = falsifier::named(arguments, "pedestrian").or_else(|| falsifier::named(arguments, "from"));

@@ -10,7 +10,7 @@ use base::signature::{DeclarationId, Formula, Keys, VariableId};
 use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::{Block, Clause};
-use learn::Credit;
+use learn::{Credit, Policies};
 use world::av::external::ExternalKeys;
 use world::env::{EpisodeRule, RewardRule};
 
@@ -65,11 +65,11 @@ impl Lowering<'_> {
                 let scenario_of = |place: &Place<'_>| usual.scenario(place, &body, &reward.value, &[].into());
                 let scenarios: Vec<_> =
                     places.iter().map(|place| (place.town.name.to_string(), scenario_of(place))).collect();
-                if config.shared.is_some() && !usual.roles.is_uniform(&body.value) {
+                if config.policies == Some(Policies::Shared) && !usual.roles.is_uniform(&body.value) {
                     return self.said.push(diagnostics::unshared_policy(at.block.head));
                 }
                 let is_program = |place: &Place<'_>| self.program.get(place.policy.id).kind == ExternalKeys::KIND;
-                if config.shared == Some(Credit::Removal) && places.iter().any(is_program) {
+                if config.credit == Some(Credit::Removal) && places.iter().any(is_program) {
                     return self.said.push(diagnostics::uncopied_removal(at.block.head));
                 }
                 let ground: Vec<DeclarationId> =

@@ -68,7 +68,7 @@ impl Source {
     pub(super) fn meet_episode(
         &self,
         failure: &Failure,
-        (evaluation, trained): (&Evaluation, Option<&ActorCritic>),
+        (evaluation, trained): (&Evaluation, Option<&[ActorCritic]>),
         new: NewDriver<'_>,
         old: bool,
     ) -> MetAgain {

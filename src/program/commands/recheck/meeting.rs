@@ -350,7 +350,7 @@ impl Sides {
             let trained = self.old.trained(evaluation)?;
             let vehicle = Some(&*evaluation.vehicle);
             let new = self.new_driver(&pair.after, &evaluation.town, vehicle).ok_or_else(gone)?;
-            let of_run = (evaluation, trained.as_ref());
+            let of_run = (evaluation, trained.as_deref());
             let walked_by = if new.world.is_some() { &BOTH[..1] } else { &BOTH[..] };
             let meet = |failure: &Failure| self.old.meet_episode(failure, of_run, new, is_old_there);
             return Ok(tally.meet(failures, walked_by, meet));

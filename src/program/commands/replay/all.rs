@@ -12,6 +12,7 @@ use crate::exit_code::ExitCode;
 use crate::session::{ChangedProgram, EpisodeName, Error, Reason, RepeatOptions, Repeated, Session, Source, reasons};
 use base::seed::Seed;
 use compile::{Campaign, Job, Training, TrainingKey};
+use learn::ActorCritic;
 use results::campaign::{self, NoStore, Silent};
 use results::jobs::TrainingResult;
 use results::parallel;
@@ -123,7 +124,7 @@ fn differing(source: &Source, names: Vec<EpisodeName>) -> Result<Vec<Repeated>, 
 
 /// Trains all pedestrians of the report again, and compares their networks bit by bit.
 fn retrain(source: &Source) -> Retrained {
-    let of_report = |training: &Training| source.report.pedestrian(&training.key).is_ok();
+    let of_report = |training: &Training| source.report.pedestrian(training).is_ok();
     let is_wanted = |job: &Job| job.of().is_some_and(of_report);
     let jobs: Vec<Job> = source.campaign.jobs.iter().filter(|job| is_wanted(job)).cloned().collect();
     let repeated = jobs.len();
@@ -131,10 +132,14 @@ fn retrain(source: &Source) -> Retrained {
     let finished = campaign::run(&alone, &source.seed, &NoStore, &Silent);
     let mut different = Vec::new();
     for training in finished.all::<TrainingResult>() {
-        let again = training.result.as_ref().ok().map(|trained| trained.actor_critic.to_safetensors(&BTreeMap::new()));
-        let stored = source.report.pedestrian(&training.key).ok();
-        let stored = stored.map(|stored| stored.to_safetensors(&BTreeMap::new()));
-        if again.is_none() || again != stored {
+        let planned = source.campaign.all::<Training>().find(|planned| planned.key == training.key);
+        let stored = planned.and_then(|planned| source.report.pedestrian(planned).ok());
+        let again = training.result.as_ref().ok().map(|trained| trained.policies.as_slice());
+        let is_same = again.zip(stored.as_deref()).is_some_and(|(again, stored)| {
+            let bytes = |networks: &ActorCritic| networks.to_safetensors(&BTreeMap::new());
+            again.iter().map(bytes).eq(stored.iter().map(bytes))
+        });
+        if !is_same {
             different.push(training.key.clone());
         }
     }

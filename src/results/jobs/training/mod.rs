@@ -12,7 +12,7 @@ use super::{JobResult, Kind, Work, result};
 use crate::campaign::{Part, State, Stored, TaskError};
 use crate::report::Group;
 use compile::{Evaluation, Planned, Training, TrainingKey};
-pub use files::pedestrian_file;
+pub use files::pedestrian_files;
 use learn::{ActorCritic, Trained, UpdateLog};
 pub use table::learning_curve_lines;
 use world::falsifier::{TrainError, TrainingRun};
@@ -71,10 +71,10 @@ impl JobResult for TrainingResult {
 }
 
 /// The networks of an evaluation's pedestrian; `None` if it is untrained, or if its training failed.
-pub fn networks<'a>(evaluation: &Evaluation, trainings: &'a [TrainingResult]) -> Option<&'a ActorCritic> {
+pub fn networks<'a>(evaluation: &Evaluation, trainings: &'a [TrainingResult]) -> Option<&'a [ActorCritic]> {
     evaluation.origin.needs?;
     let training = trainings.iter().find(|training| training.key == *evaluation.trained)?;
-    Some(&training.result.as_ref().ok()?.actor_critic)
+    Some(&training.result.as_ref().ok()?.policies)
 }
 
 impl Work for Training {
@@ -196,7 +196,7 @@ fn train(plan: &Training, part: &Part<'_>, decided: &mut u64, validation: &mut V
     keep(&run, State::Begun, &none);
     let stopped =
         || TaskError::Training(learn::TrainError::Stopped { update: run.learning_curve().len() as u64 }.into());
-    let reward = validation::reward(plan, run.actor_critic(), part).ok_or_else(stopped)?;
+    let reward = validation::reward(plan, run.policies(), part).ok_or_else(stopped)?;
     keep(&run, State::Finished, &validation::metadata(reward));
     validation.push(reward);
     Ok(run.finish())

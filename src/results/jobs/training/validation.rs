@@ -14,13 +14,13 @@ const ENTRY: &str = "validation";
 
 /// The mean reward of an episode of these networks, which take their mean action, on starts that no training and no evaluation has; all candidates
 /// have the same. `None` if the user asks to stop.
-pub fn reward(plan: &Training, networks: &ActorCritic, part: &Part<'_>) -> Option<f64> {
+pub fn reward(plan: &Training, networks: &[ActorCritic], part: &Part<'_>) -> Option<f64> {
     let seed = plan.key.seed(part.seed).child("validation");
     let scenarios = plan.scenarios();
     let episodes = STARTS.div_ceil(scenarios.len() as u32);
     let mut rewards = Vec::new();
     for (place, scenario) in (0..).zip(&scenarios) {
-        let mut walker = TrainedWalker::new(networks.clone(), &scenario.cast, ActionMode::Deterministic);
+        let mut walker = TrainedWalker::new(networks.to_vec(), &scenario.cast, ActionMode::Deterministic);
         let (starts, draws) = (seed.index(place), seed.child("walker").index(place));
         let outcomes = evaluate(&mut walker, scenario, episodes, &starts, &draws, &mut |_| flow(part.stop()));
         rewards.extend(outcomes.iter().filter(|outcome| outcome.left_out.is_none()).map(|outcome| outcome.reward));

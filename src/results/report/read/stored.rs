@@ -10,7 +10,7 @@ use polars::prelude::{Column, DataFrame, DataType, PolarsError, PolarsResult};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 
-use crate::jobs::pedestrian_file;
+use crate::jobs::pedestrian_files;
 use crate::record::columns::{EPISODE, NUMBER, OUTCOME, RUN_ID};
 use crate::record::episodes::named;
 use crate::record::{CellKey, EPISODES, RunKey, read_parquet};
@@ -21,7 +21,7 @@ use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
 use crate::report::{Manifest, RunRecord, ScenarioFile};
 use base::files;
-use compile::{NoRunId, RunId, TrainingKey};
+use compile::{NoRunId, RunId, Training};
 use learn::{ActorCritic, CheckpointError};
 
 /// Why a report cannot be read.
@@ -293,16 +293,18 @@ impl StoredReport {
         Ok(names.into_iter().filter(|(run, _)| searches.contains(run)).collect())
     }
 
-    /// The pedestrian of a training.
+    /// The networks of each policy of a training of pedestrians.
     ///
     /// # Errors
     /// A file that is missing or damaged.
-    pub fn pedestrian(&self, key: &TrainingKey) -> Result<ActorCritic, ReadError> {
-        let path = self.folder.join(pedestrian_file(key, "safetensors"));
-        let bytes = files::bytes(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
-        let (trained, _) =
-            ActorCritic::from_safetensors(&bytes).map_err(|source| ReadError::Pedestrian { path, source })?;
-        Ok(trained)
+    pub fn pedestrian(&self, training: &Training) -> Result<Vec<ActorCritic>, ReadError> {
+        let read = |file: String| {
+            let path = self.folder.join(file);
+            let bytes = files::bytes(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
+            let read = ActorCritic::from_safetensors(&bytes);
+            Ok(read.map_err(|source| ReadError::Pedestrian { path, source })?.0)
+        };
+        pedestrian_files(training, "safetensors").into_iter().map(read).collect()
     }
 
     /// The runs of the table of episodes, in its order.

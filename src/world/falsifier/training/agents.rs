@@ -1,10 +1,11 @@
 use crate::env::{Cast, Ending, Simulation};
 use crate::sim::WalkCommand;
-use learn::Credit;
+use learn::{Agent, Credit, PpoConfig};
 
 /// One agent for each pedestrian that is controlled, and what each earned.
 pub struct Agents {
     credit: Credit,
+    all: Vec<Agent>,
     /// The numbers of their pedestrians.
     pedestrians: Vec<usize>,
     /// The start of the running episode; `None` if it cannot be copied.
@@ -14,14 +15,16 @@ pub struct Agents {
 }
 
 impl Agents {
-    /// The agents of a cast.
-    pub fn new(cast: &Cast, credit: Credit) -> Self {
-        let pedestrians: Vec<usize> = cast.controlled().map(|(number, _)| number).collect();
-        Self { credit, earned: vec![0.0; pedestrians.len()], pedestrians, start: None }
+    /// The agents of a cast; `None` if one chooses for all pedestrians.
+    pub fn new(cast: &Cast, config: &PpoConfig) -> Option<Self> {
+        let all = cast.agents(Some(config.policies?));
+        let pedestrians = cast.controlled().map(|(number, _)| number).collect();
+        let credit = config.credit.unwrap_or(Credit::Team);
+        Some(Self { credit, earned: vec![0.0; all.len()], all, pedestrians, start: None })
     }
 
-    pub fn count(&self) -> usize {
-        self.pedestrians.len()
+    pub fn all(&self) -> &[Agent] {
+        &self.all
     }
 
     /// What an agent earned in the last step.

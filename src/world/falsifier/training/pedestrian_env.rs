@@ -5,7 +5,7 @@ use crate::env::{Controller, Draw, Simulation};
 use crate::falsifier::FaultStreak;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
-use learn::{Credit, Env, Step};
+use learn::{Agent, Env, PpoConfig, Step};
 
 /// An environment whose agent controls the pedestrians, or whose agents control one each: the episodes of a simulation, one after another.
 ///
@@ -58,9 +58,9 @@ impl PedestrianEnv {
         }
     }
 
-    /// The same environment with an agent for each controlled pedestrian, if that is wanted.
-    pub fn with_agents(mut self, credit: Option<Credit>) -> Self {
-        self.agents = credit.map(|credit| Agents::new(&self.simulation.scenario().cast, credit));
+    /// The same environment with the agents of a training with these settings.
+    pub fn with_agents(mut self, config: &PpoConfig) -> Self {
+        self.agents = Agents::new(&self.simulation.scenario().cast, config);
         self
     }
 
@@ -137,16 +137,18 @@ impl PedestrianEnv {
 }
 
 impl Env for PedestrianEnv {
-    fn agents(&self) -> usize {
-        self.agents.as_ref().map_or(1, Agents::count)
+    fn agents(&self) -> Vec<Agent> {
+        self.agents
+            .as_ref()
+            .map_or_else(|| self.simulation.scenario().cast.agents(None), |agents| agents.all().to_vec())
     }
 
     fn obs_dim(&self) -> usize {
-        self.simulation.scenario().cast.policy_dims(self.agents.is_some()).0
+        self.simulation.scenario().cast.obs_dim()
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
-        self.simulation.scenario().cast.policy_dims(self.agents.is_some()).1
+        self.simulation.scenario().cast.action_bounds()
     }
 
     fn credit(&self, agent: usize, reward: f64) -> f64 {

@@ -6,7 +6,7 @@ use crate::driving::{DriveEnv, DriveRule, Pupil};
 use crate::env::Scenario;
 use crate::falsifier::FaultStreak;
 use base::seed::Seed;
-use learn::{Credit, Env, Step};
+use learn::{Agent, Env, PpoConfig, Step};
 
 /// An environment whose episodes take place in several scenarios in turn: other towns, other drivers.
 ///
@@ -55,7 +55,7 @@ impl TrainingGround {
         scenarios: &[Arc<Scenario>],
         rule: Option<&Arc<DriveRule>>,
         banks: &[Option<Arc<StartBank>>],
-        shared: Option<Credit>,
+        config: &PpoConfig,
         number: usize,
         episodes: &Seed,
     ) -> Self {
@@ -65,7 +65,7 @@ impl TrainingGround {
             Some(rule) => Box::new(DriveEnv::new(scenario, rule, &seed(place))) as Box<dyn Place>,
             None => {
                 let env = PedestrianEnv::new(scenario.simulation(), seed(place));
-                Box::new(env.with_bank(bank.clone()).with_agents(shared))
+                Box::new(env.with_bank(bank.clone()).with_agents(config))
             }
         });
         // The first reset moves on to the scenario of the number.
@@ -98,7 +98,7 @@ impl Pupil for TrainingGround {
 }
 
 impl Env for TrainingGround {
-    fn agents(&self) -> usize {
+    fn agents(&self) -> Vec<Agent> {
         self.env().agents()
     }
 

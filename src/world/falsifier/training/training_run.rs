@@ -75,9 +75,8 @@ impl TrainingRun {
         watch: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Self, TrainError> {
         let mut envs = environments_of(scenarios, Some(rule), environments, config, seed);
-        let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());
-        let mut networks = learn::first_networks(obs_dim, action_dim, config, &seed.child("ppo"));
-        if !imitate(&mut envs, rule, &mut networks, config, &seed.child("imitation"), watch) {
+        let mut networks = learn::first_networks(&envs[0].agents(), config, &seed.child("ppo"));
+        if !imitate(&mut envs, rule, &mut networks[0], config, &seed.child("imitation"), watch) {
             return Err(learn::TrainError::Stopped { update: 0 }.into());
         }
         let trainer = Trainer::with_networks(&mut envs, networks, config, &seed.child("ppo"))?;
@@ -140,9 +139,9 @@ impl TrainingRun {
         self.trainer.learning_curve()
     }
 
-    /// The present networks.
-    pub fn actor_critic(&self) -> &ActorCritic {
-        self.trainer.actor_critic()
+    /// The present networks of each policy.
+    pub fn policies(&self) -> &[ActorCritic] {
+        self.trainer.policies()
     }
 
     /// Encodes the training so that [`TrainingRun::resume`] can continue it; `metadata` goes into the header.
@@ -175,10 +174,9 @@ impl TrainingRun {
     }
 }
 
-/// The networks with which a training of such actors begins, before its first decision; `seed` is that of [`TrainingRun::begin`].
-pub fn first_networks(cast: &Cast, config: &PpoConfig, seed: &Seed) -> ActorCritic {
-    let (obs_dim, bounds) = cast.policy_dims(config.shared.is_some());
-    learn::first_networks(obs_dim * config.frame_stack, bounds.len(), config, &seed.child("ppo"))
+/// The networks of each policy with which a training of such actors begins, before its first decision; `seed` is that of [`TrainingRun::begin`].
+pub fn first_networks(cast: &Cast, config: &PpoConfig, seed: &Seed) -> Vec<ActorCritic> {
+    learn::first_networks(&cast.agents(config.policies), config, &seed.child("ppo"))
 }
 
 impl std::fmt::Debug for TrainingRun {
@@ -199,6 +197,6 @@ fn environments_of(
     let bank = |(place, scenario)| StartBank::new(scenario, config.starts?, hard, starts.index(place)).map(Arc::new);
     let banks: Vec<_> = (0..).zip(scenarios).map(bank).collect();
     (0..environments)
-        .map(|env| TrainingGround::new(scenarios, rule, &banks, config.shared, env, &episodes.index(env as u64)))
+        .map(|env| TrainingGround::new(scenarios, rule, &banks, config, env, &episodes.index(env as u64)))
         .collect()
 }
