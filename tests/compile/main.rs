@@ -39,6 +39,7 @@ mod resuming;
 mod sensors;
 mod shaping;
 mod shrinking;
+mod social_forces;
 mod spawns;
 mod start_bank;
 mod steady_starts;

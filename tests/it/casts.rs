@@ -57,6 +57,19 @@ fn a_cast_runs_to_a_page_and_a_failure_names_the_actors_that_it_needs() {
         let is_in = |bytes: &Vec<u8>| bytes.windows(text.len()).any(|part| part == text.as_bytes());
         assert!(files.into_iter().any(|bytes| is_in(&bytes)), "{format} names {text}");
     }
+    // Each of them has a track of the whole episode.
+    let files = std::fs::read_dir(here.join("xosc-1.3")).unwrap().map(|file| file.unwrap().path());
+    let file = files.into_iter().find(|path| path.extension().is_some_and(|end| end == "xosc")).unwrap();
+    let text = std::fs::read_to_string(file).unwrap();
+    let named =
+        |what: &str| -> Vec<&str> { text.split(what).skip(1).map(|rest| rest.split_once('"').unwrap().0).collect() };
+    assert_eq!(named("Trajectory name=\"track_"), named("ScenarioObject name=\""));
+    let tracks: Vec<&str> =
+        text.split("<Trajectory ").skip(1).map(|rest| rest.split_once("</Trajectory>").unwrap().0).collect();
+    let vertices = |track: &&str| track.matches("<Vertex ").count();
+    let places = tracks.iter().map(|track| track.split_once("<WorldPosition ").unwrap().1.split_once("/>").unwrap().0);
+    assert_eq!((tracks.len(), places.collect::<std::collections::BTreeSet<_>>().len()), (8, 8));
+    assert!(tracks.iter().all(|track| vertices(track) > 2 && vertices(track) == vertices(&tracks[0])), "{text}");
     let json = said(&falsify(&["replay", &name, "--json"], here));
     let object: serde_json::Value = serde_json::from_str(&json).unwrap();
     let roles: Vec<&str> =

@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_824),
     ("src/results", 26_634),
     ("src/program", 12_960),
-    ("tests", 29_613),
+    ("tests", 29_780),
 ];
 
 /// Crates that only some places may name.
