@@ -13,11 +13,12 @@ use world::sim::WalkCommand;
 
 use crate::cast::{ahead, away, two_and_two};
 
-/// Counts the allocations of each thread.
+/// Counts the allocations of each thread, and the bytes that it holds.
 struct Counting;
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+    static HELD: Cell<i64> = const { Cell::new(0) };
 }
 
 #[global_allocator]
@@ -28,11 +29,13 @@ static ALLOCATOR: Counting = Counting;
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+        let _ = HELD.try_with(|held| held.set(held.get() + layout.size() as i64));
         // SAFETY: the caller's promise about the layout is passed on.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        let _ = HELD.try_with(|held| held.set(held.get() - layout.size() as i64));
         // SAFETY: the caller's promise about pointer and layout is passed on.
         unsafe { System.dealloc(pointer, layout) }
     }
@@ -120,7 +123,7 @@ fn a_tick_of_two_cars_and_two_pedestrians_allocates_nothing() {
 }
 
 #[test]
-fn a_tick_of_twelve_pedestrians_and_four_cars_allocates_nothing() {
+fn a_tick_of_twelve_pedestrians_and_four_cars_allocates_nothing_and_their_world_does_not_grow() {
     let walking = Controller::Fixed(WalkCommand { heading: 1.0, speed: 1.0 });
     let mut scenario = two_and_two("follower", ("slow", ahead(40.0)), (away(), walking));
     for number in 0..10 {
@@ -154,5 +157,7 @@ fn a_tick_of_twelve_pedestrians_and_four_cars_allocates_nothing() {
     for episode in 0..10 {
         walk(episode);
     }
+    let held = HELD.get();
     assert_eq!((10..20).map(&mut walk).sum::<u64>(), 0);
+    assert_eq!(HELD.get(), held, "starts of episodes keep nothing, either");
 }

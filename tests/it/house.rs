@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_537),
     ("src/learn", 5_595),
-    ("src/world", 38_408),
+    ("src/world", 38_422),
     ("src/ported", 4_642),
     ("src/lang", 6_542),
     ("src/compile", 8_352),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_824),
     ("src/results", 26_634),
     ("src/program", 12_960),
-    ("tests", 29_780),
+    ("tests", 29_807),
 ];
 
 /// Crates that only some places may name.

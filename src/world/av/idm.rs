@@ -104,17 +104,14 @@ impl Idm {
         let here = ego.pose.position();
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         let bodies = actors.filter_map(|actor| {
-            if !perception.in_sight(actor) {
-                return None;
-            }
             let (along, heading) = chords.place(&self.path, actor.pose.position(), corridor + actor.half.y)?;
             let gap = along - ego.half.x - actor.half.x;
+            // Few are in the corridor, and sight takes longer to find out.
+            if gap <= -ego.half.x || !perception.in_sight(actor) {
+                return None;
+            }
             let speed = actor.velocity.dot(&crate::geometry::Vector::new(libm::cos(heading), libm::sin(heading)));
-            (gap > -ego.half.x).then_some(Leader {
-                gap: gap.max(0.0),
-                speed: speed.max(0.0),
-                kind: LeaderKind::RoadUser,
-            })
+            Some(Leader { gap: gap.max(0.0), speed: speed.max(0.0), kind: LeaderKind::RoadUser })
         });
         let lights = perception.lights.iter().filter(|light| light.colour == LightColour::Red).filter_map(|light| {
             let line = light.trigger.position();
@@ -144,16 +141,14 @@ struct Chords {
 impl Chords {
     fn new(path: &Path, ego: Point) -> Self {
         let mut chords = Self { along: [0.0; HORIZON], longest: 0.0 };
-        let mut poses = path.points().map(|point| &point.pose);
-        let Some(mut last) = poses.next() else { return chords };
+        let Some(first) = path.points().next() else { return chords };
         // The path's first point is the nearest to the ego, not the one abeam it.
-        let mut along = -last.to_local(ego).x;
+        let mut along = -first.pose.to_local(ego).x;
         chords.along[0] = along;
-        for (place, next) in chords.along[1..].iter_mut().zip(poses) {
-            let length = (next.position() - last.position()).norm();
-            chords.longest = chords.longest.max(length);
-            along += length;
-            (*place, last) = (along, next);
+        for (place, step) in chords.along[1..].iter_mut().zip(path.steps()) {
+            chords.longest = chords.longest.max(step.length);
+            along += step.length;
+            *place = along;
         }
         chords
     }

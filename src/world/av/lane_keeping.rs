@@ -1,7 +1,6 @@
 //! Steering along a path and the speed for its bends, for our own policies.
 
 use super::{Path, Perception};
-use crate::geometry::wrap_angle;
 
 /// The steer towards a point ahead on the path: pure pursuit.
 ///
@@ -94,17 +93,13 @@ pub fn speed_for_limits(path: &Path, perception: &Perception<'_>, share: f64, br
 pub fn speed_for_bends(path: &Path, wanted: f64, lateral: f64, braking: f64) -> f64 {
     let mut allowed = wanted * wanted;
     let mut along = 0.0;
-    let mut before: Option<&crate::geometry::Pose> = None;
-    for point in path.points() {
-        if let Some(last) = before {
-            let step = (point.pose.position() - last.position()).norm().max(0.1);
-            let curvature = wrap_angle(point.pose.yaw - last.yaw).abs() / step;
-            if curvature > 1e-4 {
-                allowed = allowed.min(lateral / curvature + 2.0 * braking * along);
-            }
-            along += step;
+    for step in path.steps() {
+        let length = step.length.max(0.1);
+        let curvature = step.turn / length;
+        if step.turn > 0.0 && curvature > 1e-4 {
+            allowed = allowed.min(lateral / curvature + 2.0 * braking * along);
         }
-        before = Some(&point.pose);
+        along += length;
     }
     if path.ends() {
         allowed = allowed.min(2.0 * braking * (along - 3.0).max(0.0));

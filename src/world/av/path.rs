@@ -1,7 +1,7 @@
 use std::collections::VecDeque;
 
 use super::Perception;
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, wrap_angle};
 use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town};
 use base::seed::Stream;
 
@@ -14,13 +14,27 @@ pub(super) const HORIZON: usize = 80;
 #[derive(Debug, Clone)]
 pub struct Path {
     points: VecDeque<RoutePoint>,
+    /// From each point to the next.
+    steps: VecDeque<Step>,
     walk: RandomWalk,
     stream: Option<Stream>,
 }
 
+/// The way from a point of a path to the next: its length (m), and the change of heading without its sign (rad).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    pub length: f64,
+    pub turn: f64,
+}
+
 impl Default for Path {
     fn default() -> Self {
-        Self { points: VecDeque::with_capacity(HORIZON + 1), walk: RandomWalk::new(ForkRule::AnyBranch), stream: None }
+        Self {
+            points: VecDeque::with_capacity(HORIZON + 1),
+            steps: VecDeque::with_capacity(HORIZON + 1),
+            walk: RandomWalk::new(ForkRule::AnyBranch),
+            stream: None,
+        }
     }
 }
 
@@ -28,6 +42,7 @@ impl Path {
     /// Starts on the given route, or on the driving lane nearest to the ego.
     pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.points.clear();
+        self.steps.clear();
         self.stream = Some(stream);
         self.walk.take(perception.route);
         self.points.extend(
@@ -46,6 +61,7 @@ impl Path {
         let here = perception.ego.pose.position();
         while self.points.len() > 1 && nearer(&self.points[1].pose, &self.points[0].pose, here) {
             self.points.pop_front();
+            self.steps.pop_front();
         }
         self.extend(perception.town);
     }
@@ -53,6 +69,11 @@ impl Path {
     /// The points ahead, the first one abeam the ego.
     pub fn points(&self) -> impl ExactSizeIterator<Item = &RoutePoint> {
         self.points.iter()
+    }
+
+    /// The way from each point to the next.
+    pub(super) fn steps(&self) -> impl Iterator<Item = &Step> {
+        self.steps.iter()
     }
 
     /// The point with this number.
@@ -74,9 +95,12 @@ impl Path {
     fn extend(&mut self, town: &Town) {
         let Some(stream) = &mut self.stream else { return };
         while self.points.len() < HORIZON {
-            let Some(next) = self.points.back().and_then(|last| self.walk.next(town, last, STEP, stream)) else {
-                return;
-            };
+            let Some(last) = self.points.back() else { return };
+            let Some(next) = self.walk.next(town, last, STEP, stream) else { return };
+            self.steps.push_back(Step {
+                length: (next.pose.position() - last.pose.position()).norm(),
+                turn: wrap_angle(next.pose.yaw - last.pose.yaw).abs(),
+            });
             self.points.push_back(next);
         }
     }
