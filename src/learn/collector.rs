@@ -30,6 +30,8 @@ pub(super) struct Collector {
     /// The moments of the discounted sums of rewards of each policy, when rewards are normalised.
     pub(super) return_moments: Vec<RunningMoments>,
     gamma: f64,
+    /// The discount of the state in which the time limit cuts an episode: `gamma`, or 0 without a bootstrap.
+    cut_gamma: f64,
     lambda: f64,
     path: Path,
     /// The maximum number of threads.
@@ -62,6 +64,7 @@ impl Collector {
                 .map(|_| RunningMoments::new(1))
                 .collect(),
             gamma: config.gamma,
+            cut_gamma: if config.time_limit_bootstrap { config.gamma } else { 0.0 },
             lambda: config.gae_lambda,
             path,
             threads: config.threads.unwrap_or(usize::MAX),
@@ -97,6 +100,7 @@ impl Collector {
             stopped.load(Ordering::Relaxed)
         };
         let (steps, gamma, lambda, path) = (rollouts[0].len(), self.gamma, self.lambda, self.path);
+        let cut_gamma = self.cut_gamma;
         self.lanes.iter_mut().for_each(|lane| lane.prepare(&policies[lane.policy]));
         if self.return_moments.is_empty() && policies[0].observation_moments().is_none() {
             let policies = &*policies;
@@ -110,7 +114,7 @@ impl Collector {
                         return;
                     }
                     for (lane, rollout) in lanes.iter_mut().zip(&mut *rollouts) {
-                        lane.settle(&policies[lane.policy], rollout, t, lane.earned, gamma);
+                        lane.settle(&policies[lane.policy], rollout, t, lane.earned, cut_gamma);
                     }
                 }
                 for (lane, rollout) in lanes.iter_mut().zip(rollouts) {
@@ -154,7 +158,7 @@ impl Collector {
         for (lane, rollout) in self.lanes.iter_mut().zip(rollouts) {
             let moments = self.return_moments.get(lane.policy);
             let reward = moments.map_or(lane.earned, |moments| moments.scaled(0, lane.earned));
-            lane.settle(&policies[lane.policy], rollout, t, reward, self.gamma);
+            lane.settle(&policies[lane.policy], rollout, t, reward, self.cut_gamma);
         }
     }
 
@@ -317,6 +321,9 @@ mod tests {
         // This is true even if the next episode starts after the rollout.
         let (whole, ..) = rollout(false, true, 6);
         assert_eq!(whole.advantages[5], cut - whole.values[5]);
+        // Without a bootstrap a time limit is an end like others.
+        let done = PpoConfig { time_limit_bootstrap: false, ..config(7) };
+        assert_eq!(collect(&done, vec![ending(false, true)]).0[0].rewards, [1.0; 7]);
         let (open, ..) = rollout(false, true, 5);
         assert_ne!(open.advantages[4], 1.0 - open.values[4]);
     }

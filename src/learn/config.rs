@@ -101,6 +101,9 @@ keys! {
         /// What each of them earns; `team` unless given. That is what the episode earns; or a touch pays the one that was touched alone (`own`); or
         /// what the episode earns with it and not without it (`removal`): the episode is run again from its start without that pedestrian.
         credit: Option<Credit>,
+        /// Whether the critic values the state in which the time limit cuts an episode (Pardo et al., ICML 2018), as stable-baselines3 does where an
+        /// environment says `TimeLimit.truncated`. Without it the time limit is an end like others.
+        time_limit_bootstrap: bool = "true",
         /// Widths of the hidden layers.
         hidden: Vec<usize> as whole(1, 4096) = "[64, 64]",
     }
@@ -161,6 +164,7 @@ impl PpoConfig {
             from: None,
             policies: None,
             credit: None,
+            time_limit_bootstrap: true,
             hidden: vec![64, 64],
         }
     }

@@ -211,11 +211,18 @@ impl Lane {
         Ok(())
     }
 
-    /// Records the reward of the last step; `reward` is in the unit of the critic.
-    pub(super) fn settle(&mut self, policy: &ActorCritic, rollout: &mut Rollout, t: usize, reward: f64, gamma: f64) {
+    /// Records the reward of the last step; `reward` is in the unit of the critic, and `cut_gamma` discounts what it says of a state that was cut off.
+    pub(super) fn settle(
+        &mut self,
+        policy: &ActorCritic,
+        rollout: &mut Rollout,
+        t: usize,
+        reward: f64,
+        cut_gamma: f64,
+    ) {
         rollout.rewards[t] = reward;
         if self.outcome.truncated && !self.outcome.terminated {
-            rollout.rewards[t] += gamma * policy.value(self.end.as_slice(), &mut self.scratch);
+            rollout.rewards[t] += cut_gamma * policy.value(self.end.as_slice(), &mut self.scratch);
         }
         if self.outcome.done() {
             self.discounted = 0.0;

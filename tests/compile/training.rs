@@ -27,7 +27,7 @@ fn every_setting_can_be_written() {
         max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
         target_kl: 0.03, frame_stack: 4, starts: 512, hard_starts: 0.75, normalize_observations: true,
         normalize_rewards: true, threads: 2, portable_bits: true,
-        hidden: [32, 16])";
+        time_limit_bootstrap: false, hidden: [32, 16])";
     let config = PpoConfig {
         steps: 1000,
         steps_per_update: 100,
@@ -55,6 +55,7 @@ fn every_setting_can_be_written() {
         from: None,
         policies: None,
         credit: None,
+        time_limit_bootstrap: false,
         hidden: vec![32, 16],
     };
     assert_eq!(lowered(text), config);
