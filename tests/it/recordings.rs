@@ -60,6 +60,39 @@ fn a_recorded_touch_has_a_verdict() {
     );
 }
 
+/// A pedestrian 4 m beside the axis of a car at 50 km/h who sets off at 1.4 m/s when its front is this far away (m).
+fn steps_out(ahead: f64, dt: f64) -> String {
+    let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
+    let (speed, starts) = (50.0 / 3.6, 4.0);
+    for instant in 0..(10.0 / dt) as u32 {
+        let time = f64::from(instant) * dt;
+        let walked = 1.4 * (time - starts).max(0.0);
+        let _ = writeln!(
+            text,
+            "{time:.4},0,{:.4},{:.4},0,0,{speed}",
+            walked - 4.0,
+            speed * (time - starts) - ahead - 2.395
+        );
+    }
+    text
+}
+
+#[test]
+fn a_motion_has_one_verdict_however_often_it_is_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    for (ahead, steps) in [(39.0, &[0.01, 0.05, 0.1, 0.2, 0.25][..]), (50.0, &[0.02, 0.05, 0.1, 0.25, 0.4, 0.5])] {
+        for dt in steps {
+            let found = judged(folder.path(), &steps_out(ahead, *dt), &[]);
+            assert_eq!(found["counts_as"], "fault", "{ahead} m, {dt} s: {found}");
+        }
+    }
+    let early: Vec<String> = steps_out(39.0, 0.05).lines().take(132).map(String::from).collect();
+    let found = judged(folder.path(), &early.join("\n"), &[]);
+    assert!(found["touch_s"].is_null() && (0.1..1.0).contains(&found["ends_before_s"].as_f64().unwrap()), "{found}");
+    let output = falsify(&["judge", "trace.csv"], folder.path());
+    assert!(String::from_utf8_lossy(&output.stdout).contains("before a touch, if both go on"), "{output:?}");
+}
+
 /// Euro NCAP's running adult: 8 km/h within 1.5 m, which are the bounds of a foreseeable pedestrian. Its positions deviate by up to `noise` (m).
 fn runs_into_the_way(noise: f64, dt: f64) -> String {
     let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
@@ -152,7 +185,7 @@ fn a_recording_that_begins_too_late_says_so() {
     let (missing, begins) = (found["begins_late_s"].as_f64().unwrap(), found["touch_s"].as_f64().unwrap());
     assert!((missing + begins - (1.75 + 14.0 / (2.0 * 7.01))).abs() < 0.02, "{found}");
     let output = falsify(&["judge", "trace.csv"], folder.path());
-    let text = String::from_utf8_lossy(&output.stdout);
+    let text = String::from_utf8_lossy(&output.stdout).replace("\n  ", " ");
     assert!(
         text.contains(
             "verdict: cannot tell. The danger was under way when the recording begins; give at least 1.8 s more"

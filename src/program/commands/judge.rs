@@ -76,7 +76,7 @@ pub fn judge(options: &JudgeArgs) -> Ended {
         console::say(&as_json(&found, &car).to_string());
     } else {
         tell(&found, &recording);
-        console::say(&format!(
+        say_wrapped(&format!(
             "assumed: a car of {:.2} m by {:.2} m that brakes with at most {:.2} m/s^2, daylight, a dry road, and nothing that hides the pedestrian",
             2.0 * car.half_length,
             2.0 * car.half_width,
@@ -109,19 +109,27 @@ fn paper() -> Result<Scenario, Error> {
     Ok(Scenario::clone(&checked.plan()?.campaigns[0].nth::<compile::Evaluation>(0).scenario))
 }
 
+fn say_wrapped(text: &str) {
+    console::say(console::wrapped(text).trim_end());
+}
+
 /// Prints the result for people.
 fn tell(found: &Encountered, recording: &Recording) {
     let near = &found.near_miss;
+    if recording.dt() > 0.101 {
+        let step = recording.dt();
+        console::say(&format!("rows are {step} s apart: the motion between two of them is interpolated"));
+    }
     if let [first, rest @ ..] = &found.ignored[..] {
         let others = if rest.is_empty() { String::new() } else { format!(" and in {} others", rest.len()) };
         let line = recording.line(*first).unwrap_or(*first);
-        console::say(&format!(
+        say_wrapped(&format!(
             "ignored: the speed, heading or position in line {line}{others}, which those before and after contradict"
         ));
     }
     if let (Some(touch), Some(late)) = (found.touch, found.begins_late) {
         console::say(&format!("touch after {touch:.2} s"));
-        console::say(&format!(
+        say_wrapped(&format!(
             "verdict: cannot tell. The danger was under way when the recording begins; give at least {} s more before it",
             (late * 10.0).ceil() / 10.0
         ));
@@ -129,6 +137,11 @@ fn tell(found: &Encountered, recording: &Recording) {
     }
     let (Some(touch), Some(verdict)) = (found.touch, &found.verdict) else {
         console::say(&format!("no touch; the least distance is {:.2} m", found.least_gap));
+        if let Some(before) = found.ends_before {
+            say_wrapped(&format!(
+                "it ends {before:.2} s before a touch, if both go on as they do: record for longer, or it tells nothing"
+            ));
+        }
         if let Some(ttc) = near.min_ttc {
             console::say(&format!("the least time to collision is {ttc:.2} s"));
         }
@@ -145,8 +158,12 @@ fn tell(found: &Encountered, recording: &Recording) {
     console::say(&format!("verdict: {}", verdict.label.name()));
     let counts = if verdict.is_fault() { "counts" } else { "does not count" };
     let class = verdict.class();
-    console::say(&format!("counts as {}: it {counts} against the driver, since {}", class.name(), class.reason()));
-    console::say(&format!("the danger started {:.2} s before the touch", verdict.warning));
+    say_wrapped(&format!("counts as {}: it {counts} against the driver, since {}", class.name(), class.reason()));
+    if verdict.warning + recording.dt() >= touch {
+        console::say("the danger started in the first row, or before it");
+    } else {
+        console::say(&format!("the danger started {:.2} s before the touch", verdict.warning));
+    }
     for reference in Reference::ALL {
         let result = if verdict.trial(reference).is_avoided() { "avoids it" } else { "does not avoid it" };
         console::say(&format!("  {:<14}{result}", reference.name()));
@@ -172,6 +189,7 @@ fn as_json(found: &Encountered, car: &VehicleBlueprint) -> serde_json::Value {
         "warning_s": verdict.map(|verdict| verdict.warning),
         "avoided_by": avoided,
         "least_gap_m": found.least_gap,
+        "ends_before_s": found.ends_before,
         "min_ttc_s": found.near_miss.min_ttc,
         "pet_s": found.near_miss.pet,
         "ignored_instants": found.ignored,

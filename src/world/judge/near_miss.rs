@@ -4,6 +4,8 @@ use crate::geometry::{Vector, time_to_touch};
 
 /// The longest time to collision (s) that counts.
 const HORIZON: f64 = 10.0;
+/// A recording that ends with a shorter time to collision (s) ends too early.
+const AHEAD: f64 = 3.0;
 /// Number of footprints in a block that is tested as a whole.
 const BLOCK: usize = 16;
 
@@ -35,6 +37,12 @@ impl NearMiss {
         let bodies = Bodies { half, radius: pair.body.radius };
         let ticks = if pair.contact.is_none() { bodies.least_lag(pair.frames()) } else { None };
         Self { min_ttc: bodies.least_time(pair.frames()), pet: ticks.map(|ticks| ticks as f64 * pair.dt()) }
+    }
+
+    /// The time to collision (s) at the last tick, if it is less than [`AHEAD`].
+    pub fn of_last(pair: &Pair<'_>) -> Option<f64> {
+        let half = Vector::new(pair.blueprint.half_length, pair.blueprint.half_width);
+        Bodies { half, radius: pair.body.radius }.least_time(pair.last().into_iter()).filter(|time| *time < AHEAD)
     }
 }
 

@@ -32,6 +32,9 @@ pub struct Recording {
 /// Time (s) before the touch in which the direction of the car's motion is looked for.
 const DIRECTION: f64 = 0.5;
 
+/// The longest tick (s) of a verdict: states of recordings with longer steps are put between theirs.
+const TICK: f64 = 0.05;
+
 /// Time (s) between two places of a pair that did not touch, and the most places.
 const RESOLUTION: f64 = 0.01;
 const MAX_PLACES: usize = 500_000;
@@ -132,6 +135,8 @@ pub struct Encountered {
     pub touch: Option<f64>,
     /// The least distance between the car's box and the pedestrian (m); 0 with a touch. Between two instants they move on a line.
     pub least_gap: f64,
+    /// The time from the last instant to a touch (s), if both then keep their velocities and it is less than three seconds: the recording ends too early.
+    pub ends_before: Option<f64>,
     /// How near the two came to a touch, every 0.01 s, but in recordings of more than 500,000 such times.
     pub near_miss: NearMiss,
     /// The verdict; `None` without a touch. It holds if nothing of the danger is missing.
@@ -328,6 +333,11 @@ impl Recording {
         (jumps.count() < most).then_some(first)
     }
 
+    /// The time between two instants (s).
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
     /// The line of an instant in its file; `None` without a file.
     pub fn line(&self, instant: usize) -> Option<usize> {
         self.lines.get(instant).copied()
@@ -338,10 +348,11 @@ impl Recording {
     pub fn judged(&self, scenario: &Scenario, obstacles: Arc<Obstacles>) -> Encountered {
         let mut scenario = scenario.clone();
         scenario.obstacles = obstacles;
-        (scenario.episode.tick, scenario.episode.hold) = (self.dt, 1);
-        let (trace, is_reversed) = self.trace(&scenario);
+        let (trace, is_reversed, tick) = self.trace(&scenario);
+        (scenario.episode.tick, scenario.episode.hold) = (tick, 1);
         let pair = trace.pair(&scenario, 0, 0);
-        let touch = trace.contact().map(|contact| (pair.len() as f64 - 2.0 + contact.fraction) * self.dt);
+        let touch = trace.contact().map(|contact| (pair.len() as f64 - 2.0 + contact.fraction) * tick);
+        let ends_before = if touch.is_none() { NearMiss::of_last(&pair) } else { None };
         let (near_miss, least_gap) = match touch {
             Some(_) => (NearMiss::new(&pair), 0.0),
             None => Self::nearest(&pair),
@@ -358,6 +369,7 @@ impl Recording {
         Encountered {
             touch,
             least_gap,
+            ends_before,
             near_miss,
             verdict: inquiry.map(Inquiry::verdict).map(|verdict| Verdict {
                 side: if is_reversed { verdict.side.turned_round() } else { verdict.side },
@@ -372,20 +384,11 @@ impl Recording {
     /// How near two came who did not touch, and their least distance (m): between two instants they move on a line.
     fn nearest(pair: &Pair<'_>) -> (NearMiss, f64) {
         let parts = (pair.dt() / RESOLUTION).ceil().min((MAX_PLACES / pair.len()) as f64).max(1.0) as usize;
-        let between = |from: Pose, to: Pose, share: f64| {
-            let place = from.position() + (to.position() - from.position()) * share;
-            Pose::new(place.x, place.y, from.yaw + wrap_angle(to.yaw - from.yaw) * share)
-        };
         let (mut driving, mut walking) = (Vec::new(), Vec::new());
         for (from, to) in pair.frames().zip(pair.frames().skip(1).chain(pair.last())) {
             for share in (0..parts).map(|part| part as f64 / parts as f64) {
-                let (car, walker) = (&from.ego, &from.pedestrian);
-                let pose = between(car.pose, to.ego.pose, share);
-                let state = VehicleState { pose, speed: car.speed + (to.ego.speed - car.speed) * share, ..*car };
-                driving.push(VehicleFrame { state, driven: Driven::default() });
-                let pose = between(walker.pose, to.pedestrian.pose, share);
-                let velocity = walker.velocity + (to.pedestrian.velocity - walker.velocity) * share;
-                walking.push(PedestrianState { pose, velocity });
+                driving.push(VehicleFrame { state: from.ego.between(&to.ego, share), driven: Driven::default() });
+                walking.push(from.pedestrian.between(&to.pedestrian, share));
             }
         }
         let mut scenario = pair.scenario.clone();
@@ -412,9 +415,9 @@ impl Recording {
         moved < -explained / 2.0 && explained > 0.0
     }
 
-    /// The tracks up to the first touch, without noise, and whether the car reversed and is turned round. The touch moves the pedestrian, so what follows says
-    /// nothing of the motion before it.
-    fn trace(&self, scenario: &Scenario) -> (Trace, bool) {
+    /// The tracks up to the first touch, without noise, whether the car reversed and is turned round, and the tick (s). The touch moves the pedestrian, so what
+    /// follows says nothing of the motion before it.
+    fn trace(&self, scenario: &Scenario) -> (Trace, bool, f64) {
         let (blueprint, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
         let touched = |ego: &[VehicleState], pedestrian: &[PedestrianState]| {
             let mut steps = ego.windows(2).zip(pedestrian.windows(2)).enumerate();
@@ -455,11 +458,54 @@ impl Recording {
         if let Some((step, contact)) = first.and_then(|_| touched(&ego, &walking)) {
             (instants, touch) = (step + 2, Some((step, contact)));
         }
+        let parts = touch.map_or(1, |_| (self.dt / TICK - 1e-6).ceil().max(1.0) as usize);
+        if parts > 1 {
+            (ego, walking) = (refined(&ego[..instants], parts), refined(&walking[..instants], parts));
+            // That of the noisy tracks, if these miss each other.
+            touch = touched(&ego, &walking).or(touch.map(|(step, contact)| {
+                let place = contact.fraction * parts as f64;
+                let part = place.floor().min(parts as f64 - 1.0);
+                (step * parts + part as usize, Contact { fraction: place - part, ..contact })
+            }));
+            instants = touch.map_or(ego.len(), |(step, _)| step + 2);
+        }
         let driving = ego[..instants].iter().map(|state| VehicleFrame { state: *state, driven: Driven::default() });
         let walking = &walking[..instants];
         let decisions = walking[1..].iter().map(|state| WalkCommand { heading: state.pose.yaw, speed: state.speed() });
         let contact = touch.map(|(_, contact)| contact);
         let decisions = decisions.collect();
-        (Trace::recorded(driving.collect(), walking.to_vec(), decisions, contact, velocity_noise), is_reversed)
+        let trace = Trace::recorded(driving.collect(), walking.to_vec(), decisions, contact, velocity_noise);
+        (trace, is_reversed, self.dt / parts as f64)
     }
+}
+
+/// Divides each step of a track into this number of parts.
+fn refined<S: Between>(track: &[S], parts: usize) -> Vec<S> {
+    let shares = || (0..parts).map(|part| part as f64 / parts as f64);
+    let steps = track.windows(2).flat_map(|pair| shares().map(|share| pair[0].between(&pair[1], share)));
+    steps.chain(track.last().cloned()).collect()
+}
+
+/// A state between two, at a share of the time: on a line, as in [`Contact::of_ego_in_step`].
+trait Between: Clone {
+    fn between(&self, next: &Self, share: f64) -> Self;
+}
+
+impl Between for VehicleState {
+    fn between(&self, next: &Self, share: f64) -> Self {
+        let speed = self.speed + (next.speed - self.speed) * share;
+        Self { pose: pose_between(self.pose, next.pose, share), speed, ..*self }
+    }
+}
+
+impl Between for PedestrianState {
+    fn between(&self, next: &Self, share: f64) -> Self {
+        let velocity = self.velocity + (next.velocity - self.velocity) * share;
+        Self { pose: pose_between(self.pose, next.pose, share), velocity }
+    }
+}
+
+fn pose_between(from: Pose, to: Pose, share: f64) -> Pose {
+    let place = from.position() + (to.position() - from.position()) * share;
+    Pose::new(place.x, place.y, from.yaw + wrap_angle(to.yaw - from.yaw) * share)
 }
