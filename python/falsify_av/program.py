@@ -211,7 +211,7 @@ def compare(
     page: str | os.PathLike[str] | None = None,
     arguments: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Compare two reports start by start, or two drivers of one report: rates with paired intervals, failures that are new, fixed or the same.
+    """Compare two reports start by start, or two drivers of one report: rates with paired intervals, failures that are new, worse, fixed, better or the same.
 
     Args:
         before, after: Two reports, or one and ``drivers``.

@@ -113,7 +113,10 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         serde_json::from_slice(&output.stdout).unwrap()
     };
-    let same = object(&["compare", "old/two", "old/two"]);
+    run(here, &["--out", "again"]);
+    let itself = falsify(&["compare", "old/two", "old/two"], here);
+    assert!(itself.status.code() == Some(2) && text(&itself).contains("both sides are the same runs"), "{itself:?}");
+    let same = object(&["compare", "old/two", "again/two"]);
     for cell in same["cells"].as_array().unwrap() {
         assert_eq!(
             (&cell["common_starts"], &cell["collisions_new"], &cell["collisions_fixed"]),
@@ -133,6 +136,22 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
         let number = |side: &str| change[side]["name"].as_str().unwrap().split_once(':').unwrap().1.to_string();
         assert_eq!(number("before"), number("after"));
     }
+    // It is faster, and so are collisions of both; some are no fault any more for that, which is no improvement.
+    let changes = changed["failures"].as_array().unwrap();
+    for change in changes {
+        let speed = |side: &str| change[side]["collision"]["impact_speed_mps"].as_f64();
+        let is_faster = speed("after").zip(speed("before")).is_some_and(|(after, before)| after >= before + 1.0);
+        assert_eq!(is_faster, change["change"] == "worse", "{change}");
+    }
+    let single = |row: &&serde_json::Value| row["pedestrian"] != "all untrained";
+    let worse: u64 = cells.iter().filter(single).map(|row| row["collisions_worse"].as_u64().unwrap()).sum();
+    let listed = changes.iter().filter(|change| change["change"] == "worse").count();
+    assert!(worse > 0 && worse == listed as u64, "{worse} {listed}");
+    let shown = text(&falsify(&["compare", "old/two", "new/two"], here));
+    for part in [format!(" new, {worse} worse, ").as_str(), "have a milder verdict: ", "p decides: "] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    assert!(of("slow").iter().all(|cell| cell["collisions_worse"] == 0 && cell["worse_rate_p_holm"] == 1.0));
     let drivers = object(&["compare", "new/two", "--drivers", "slow", "changed"]);
     let pairs = drivers["cells"].as_array().unwrap();
     assert!(pairs.iter().all(|cell| cell["driver"] == "slow" && cell["other_driver"] == "changed"), "{pairs:?}");
@@ -161,13 +180,18 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
         |condition: &str| falsify(&["compare", "old/two", "new/two", "--fail-if", condition], here).status.code();
     assert_eq!(gate("common_starts >= 15"), Some(7));
     assert_eq!(gate("common_starts > 15"), Some(0));
+    assert_eq!(gate("fault_rate_p_holm < 0.05 and fault_rate_difference > 0"), Some(0), "fewer collisions are faults");
+    assert_eq!(gate("collisions_worse > 0"), Some(7));
+    assert_eq!(gate("collisions_worse > 0 and driver == slow"), Some(0));
+    assert_eq!(gate("failed_starts_worse > 1000"), Some(0));
     assert_eq!(gate("tried_starts > 0"), Some(7));
     assert_eq!(gate("tried_starts > 1000"), Some(0));
     assert_eq!(gate("tried_starts > 0 and falsifier == none_such"), Some(2), "it speaks of nothing");
     assert_eq!(gate("common_start > 15"), Some(2), "no such column");
     assert_eq!(gate("common_starts > 15 and driver == none_such"), Some(2), "it speaks of nothing");
     let baseline = ["run", "two.scn", "--out", "new", "--set", "share=0.9", "--baseline", "old", "--fail-if"];
-    let blocked = falsify(&[&baseline[..], &["common_starts >= 15"]].concat(), here);
+    let worse = "collisions_worse > 0";
+    let blocked = falsify(&[&baseline[..], &[worse]].concat(), here);
     assert_eq!(blocked.status.code(), Some(7), "{blocked:?}");
     let page = falsify(&["compare", "old/two", "new/two", "--page", "diff.html"], here);
     assert_eq!(page.status.code(), Some(0), "{page:?}");
@@ -185,7 +209,7 @@ fn reports_without_a_common_start_are_refused() {
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");
     assert!(text(&refused).contains("the seeds are 1 and 2"), "{refused:?}");
     let unknown = falsify(&["compare", "one/two", "--drivers", "slow", "fast"], here);
-    assert!(text(&unknown).contains("no episodes of a driver `fast`; it has changed, slow"), "{unknown:?}");
+    assert!(text(&unknown).contains("no evaluated episodes of a driver `fast`; it has changed, slow"), "{unknown:?}");
 }
 
 #[test]

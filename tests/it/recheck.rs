@@ -75,6 +75,7 @@ fn the_same_driver_has_nothing_new_and_nothing_fixed() {
         assert_eq!((&row["gone"], &row["turned_faults"], &row["not_met"]), (&0.into(), &0.into(), &0.into()), "{row}");
         assert_eq!(row["still_faults"], row["old_faults"], "{row}");
         assert_eq!(row["still_collisions"], row["failures"], "{row}");
+        assert_eq!((&row["still_collisions_worse"], &row["still_collisions_better"]), (&0.into(), &0.into()), "{row}");
     }
     // Evaluations walk in both ways, and so does a search that only evaluates a controller.
     let of = |found_in: &str, walked_by: &str| -> u64 {
@@ -88,15 +89,44 @@ fn the_same_driver_has_nothing_new_and_nothing_fixed() {
     let file = recheck(here, &["versions.scn", "--starts", "20"]);
     assert_eq!((&file["crossings"], &file["failures"]), (&same["crossings"], &same["failures"]));
 
-    let gate = |condition: &str| {
-        falsify(&["recheck", "reports/versions", "--starts", "2", "--fail-if", condition], here).status.code()
+    let gated = |starts: &str, condition: &str| {
+        let call = ["recheck", "reports/versions", "--driver", "mine", "--starts", starts];
+        falsify(&[&call[..], &["--fail-if", condition]].concat(), here)
     };
-    assert_eq!(gate("faults_new > 0"), Some(7), "two starts without a fault say nothing");
-    assert_eq!(gate("turned_faults > 0"), Some(0));
-    assert_eq!(gate("failures > 0"), Some(7));
-    assert_eq!(gate("starts >= 2 and driver == mine"), Some(7));
-    assert_eq!(gate("starts >= 2 and driver == none_such"), Some(2), "it speaks of nothing");
-    assert_eq!(gate("fault_new > 0"), Some(2), "no such column");
+    let gate = |starts: &str, condition: &str| gated(starts, condition).status.code();
+    assert_eq!(gate("0", "turned_faults > 0"), Some(0));
+    assert_eq!(gate("0", "failures > 0"), Some(7));
+    assert_eq!(gate("10", "starts >= 2 and driver == mine"), Some(7));
+    assert_eq!(gate("10", "starts >= 2 and driver == none_such"), Some(2), "it speaks of nothing");
+    assert_eq!(gate("0", "fault_new > 0"), Some(2), "no such column");
+    // What cannot pass is refused before the first episode.
+    for (starts, reason) in [
+        ("0", "met again have `still_collisions_worse`"),
+        ("1", "1 start cannot show that a driver is no worse; give `--starts 10` or more"),
+    ] {
+        let refused = gated(starts, "injury_difference > 0");
+        let said = error(&refused);
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(reason) && !said.contains("met again: "), "{said}");
+    }
+}
+
+#[test]
+fn an_old_failure_that_is_faster_is_worse() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here);
+    let weaker = ["--set", "braking=3 m/s^2", "--driver", "mine", "--starts", "0"];
+    let found = recheck(here, &weaker);
+    let words = found["failure_changes"].to_string();
+    let worse = sum(rows(&found, "failures"), "still_collisions_worse");
+    assert!(worse > 0 && worse == words.matches(r#""change":"worse""#).count() as u64, "{found}");
+    assert_eq!(sum(rows(&found, "failures"), "turned_faults"), 0, "no verdict shows it");
+    let gate = ["recheck", "reports/versions", "--fail-if", "still_collisions_worse > 0"];
+    let blocked = falsify(&[&gate[..], &weaker].concat(), here);
+    assert_eq!(blocked.status.code(), Some(7), "{blocked:?}");
+    let text = String::from_utf8_lossy(&blocked.stdout).into_owned();
+    assert!(text.contains("worse, a collision of both that is at least 1 m/s faster"), "{text}");
 }
 
 #[test]

@@ -130,9 +130,12 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let compare = |other: &str| said(&["compare", "out/two_worlds", "--worlds", "here", other], place.path());
     let (code, text) = compare("mine");
     assert!(code == Some(0) && text.contains("idm in harbour (here and mine), intercept: 30 common starts"), "{text}");
-    assert!(text.contains("Failures: 0 new, 0 fixed, "), "our kinematics: {text}");
+    assert!(text.contains("Failures: 0 new, 0 worse, 0 fixed, 0 better, "), "our kinematics: {text}");
     let (code, text) = compare("moon");
-    assert!(code == Some(2) && text.contains("no episodes in a simulator `moon`; it has here, mine"), "{text}");
+    assert!(
+        code == Some(2) && text.contains("no evaluated episodes in a simulator `moon`; it has here, mine"),
+        "{text}"
+    );
     let (_, listed) = said(&["failures", "out/two_worlds"], place.path());
     assert!(listed.lines().next().unwrap().contains("world") && listed.contains(" mine"), "{listed}");
     let (_, listed) = said(&["failures", "out/two_worlds", "--format", "json"], place.path());

@@ -24,7 +24,7 @@ const MAX_PLAYED: usize = 12;
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  falsify compare old/my new/my              two reports: rates, and which failures are new, fixed, the same
+  falsify compare old/my new/my              two reports: rates, and which failures are new, worse, fixed, better, the same
   falsify compare reports/my --drivers v1 v2 two drivers of one report
   falsify compare reports/my --worlds here metadrive
                                              two simulators of one report: rates from the same starts
@@ -32,6 +32,8 @@ Examples:
                                              a page with both episodes of a change side by side
   falsify compare old/my new/my --fail-if 'fault_rate_p_holm < 0.05 and fault_rate_difference > 0'
                                              block a regression; a driver that did not change fails in at most 2.5 %
+  falsify compare old/my new/my --fail-if 'worse_rate_p_holm < 0.05 and worse_rate_difference > 0'
+                                             the same for collisions of both that are faster, or have become faults
   falsify compare old/my new/my --fail-if 'found_p_holm < 0.05 and found_difference > 0'
                                              the same for searches
 

@@ -14,14 +14,14 @@ use super::compare::{Form, changes};
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
 use crate::cli::console;
-use crate::cli::failure::{failed, unwritten};
+use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::{Reporter, session};
 use crate::cli::progress::Showing;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::seconds;
 use driver_pairs::DriverPair;
 use results::report::{
-    self, CrossedStarts, Encounter, Encounters, FailureChange, Judged, Recheck, RecheckNote, RecheckedFailures,
+    self, CrossedStarts, Encounter, Encounters, FailureChange, Gate, Judged, Recheck, RecheckNote, RecheckedFailures,
 };
 use world::cause::explain_any;
 
@@ -30,6 +30,8 @@ const MAX_SHOWN: usize = 10;
 
 /// Starts in each town of the fixed list.
 const STARTS: u32 = 20;
+/// The smallest number of them that a gate may be about.
+const MIN_GATED: u32 = 10;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -44,6 +46,8 @@ Examples:
                                              the same drivers in another simulator: which faults survive
   falsify recheck reports/my new.scn --fail-if 'still_faults > 0' --fail-if 'faults_new > 0'
                                              block what is not fixed, and what is new
+  falsify recheck reports/my new.scn --fail-if 'still_collisions_worse > 0' --fail-if 'injury_difference > 0'
+                                             block what hits faster, and what injures more
 
 Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5 a driver, a pedestrian or the world failed as a program
   7 a --fail-if condition is true, and nothing failed as a program";
@@ -92,7 +96,7 @@ pub struct RecheckArgs {
     /// Form of the progress on the error stream.
     #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
     pub progress: Showing,
-    /// Fail (exit code 7) when this is true of failures that were met again, as 'still_faults > 0', or of the fixed list in a town, as
+    /// Fail (exit code 7) when this is true of failures that were met again, as 'still_collisions_worse > 0', or of the fixed list in a town, as
     /// 'faults_new > 0'; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
@@ -105,6 +109,7 @@ pub struct RecheckArgs {
 pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_table().reference(), report::crossed_table().reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
+    check_starts(options)?;
     let reporter = Arc::new(Reporter::new(options.progress));
     let session = session(options.repeat.allow_external).with_observer(reporter.clone());
     let recheck = session.recheck(options).map_err(failed);
@@ -132,6 +137,24 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
         return Err(ExitCode::RunFailed);
     }
     judged
+}
+
+/// Refuses conditions on a fixed list that is left out, or too short to pass any.
+fn check_starts(options: &RecheckArgs) -> Result<(), ExitCode> {
+    let starts = options.starts.unwrap_or(if options.world.is_some() { 0 } else { STARTS });
+    let met = report::rechecked_table().reference();
+    let about_list = options.fail_if.iter().find(|text| Gate::of_table(text, &met).is_err());
+    match about_list {
+        Some(text) if starts == 0 => Err(misused(format!(
+            "--fail-if {text}: there is no fixed list without `--starts N`; failures that are met again have `still_collisions_worse`, \
+             `still_faults` and `turned_faults`"
+        ))),
+        Some(text) if starts < MIN_GATED => Err(misused(format!(
+            "--fail-if {text}: {} cannot show that a driver is no worse; give `--starts {MIN_GATED}` or more",
+            console::count(starts as usize, "start")
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Judges a recheck and reports which conditions are true.

@@ -53,6 +53,18 @@ impl From<&Failure> for SideCollision {
     }
 }
 
+impl SideCollision {
+    /// The difference of impact speeds from which on one is clearly faster (m/s).
+    const CLEARLY_FASTER: f64 = 1.0;
+
+    /// Whether it counts more against its driver than a collision of another driver from the same start: it is clearly faster, or the only fault of the two,
+    /// or faster and therefore no fault. Either may be worse in its own way.
+    pub fn is_worse_than(&self, other: &Self) -> bool {
+        let faster = self.impact_speed - other.impact_speed;
+        faster >= Self::CLEARLY_FASTER || self.fault && !other.fault || other.fault && !self.fault && faster > 0.0
+    }
+}
+
 impl SideEnd {
     /// The end of an episode in a report.
     pub fn of_report(name: String, failure: Option<&Failure>) -> Self {
@@ -64,7 +76,7 @@ impl FailureChange {
     /// The words of changes: those that count against the second driver first.
     ///
     /// `new` and `fixed` are collisions of one driver, and so is `not met`, of which nothing is known with the other. `worse` and `better` are collisions of
-    /// both that are a fault of one.
+    /// both, see [`SideCollision::is_worse_than`]; one that is worse on both sides is `worse`.
     pub const WORDS: [&'static str; 6] = ["new", "worse", "fixed", "better", "not met", "same"];
 
     /// One of [`FailureChange::WORDS`].
@@ -73,10 +85,16 @@ impl FailureChange {
             [Some(_), None] if self.sides[1].is_missed => "not met",
             [Some(_), None] => "fixed",
             [None, Some(_)] => "new",
-            [Some(before), Some(after)] if after.fault && !before.fault => "worse",
-            [Some(before), Some(after)] if before.fault && !after.fault => "better",
+            [Some(before), Some(after)] if after.is_worse_than(before) => "worse",
+            [Some(before), Some(after)] if before.is_worse_than(after) => "better",
             _ => "same",
         }
+    }
+
+    /// Whether a collision of both is faster after, and its verdict milder: fewer drivers avoid it.
+    pub fn is_faster_and_milder(&self) -> bool {
+        let [before, after] = self.sides.each_ref().map(|side| side.collision.as_ref());
+        before.zip(after).is_some_and(|(one, other)| one.class < other.class && one.impact_speed < other.impact_speed)
     }
 
     /// The verdict, or both if they differ: `unpreventable → fault`.
@@ -122,13 +140,14 @@ mod tests {
     use world::judge::Label;
 
     #[test]
-    fn a_collision_of_both_sides_that_is_a_fault_on_one_is_not_the_same() {
-        let side = |what: Option<(Label, bool)>| {
-            let failure = what.map(|(verdict, fault)| failure(Some(verdict), fault, 1.0));
+    fn a_collision_of_both_sides_that_is_faster_or_a_fault_on_one_is_not_the_same() {
+        let side = |what: Option<(Label, bool, f64)>| {
+            let failure = what.map(|(verdict, fault, speed)| failure(Some(verdict), fault, speed));
             SideEnd::of_report("1a2b3c4d:0".into(), failure.as_ref())
         };
-        let (fault, spared) = (Some((Label::Preventable, true)), Some((Label::Unpreventable, false)));
-        let narrow = Some((Label::Preventable, false));
+        let (fault, spared) = (Some((Label::Preventable, true, 1.0)), Some((Label::Unpreventable, false, 1.0)));
+        let narrow = Some((Label::Preventable, false, 1.0));
+        let contested = |speed| Some((Label::Contested, false, speed));
         for (before, after, word, verdict) in [
             (None, fault, "new", "fault"),
             (spared, None, "fixed", "unpreventable"),
@@ -136,9 +155,20 @@ mod tests {
             (fault, narrow, "better", "fault → preventable"),
             (spared, narrow, "same", "unpreventable → preventable"),
             (fault, fault, "same", "fault"),
+            (contested(0.7), contested(1.6), "same", "contested"),
+            (contested(0.7), contested(6.3), "worse", "contested"),
+            (contested(6.3), contested(0.7), "better", "contested"),
+            // A collision that leaves less time is no fault any more.
+            (narrow, contested(6.3), "worse", "preventable → contested"),
+            (fault, contested(6.3), "worse", "fault → contested"),
+            (fault, contested(1.1), "worse", "fault → contested"),
+            (fault, contested(0.9), "better", "fault → contested"),
+            (contested(6.3), fault, "worse", "contested → fault"),
         ] {
             let change = FailureChange { place: String::new(), sides: [side(before), side(after)] };
             assert_eq!((change.word(), change.verdict().as_str()), (word, verdict));
+            let is_harder = before.zip(after).is_some_and(|(one, other)| one.2 < other.2 && one.0 != other.0);
+            assert_eq!(change.is_faster_and_milder(), is_harder, "{verdict}");
             assert!(FailureChange::WORDS.contains(&word));
         }
     }

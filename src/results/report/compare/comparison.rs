@@ -23,7 +23,8 @@ pub struct ReportComparison {
     pub folders: [PathBuf; 2],
     /// What differs besides the drivers.
     pub caveats: Vec<Caveat>,
-    /// What is counted: collisions, and violations of the requirements that both reports have and that applied in one of them.
+    /// What is counted: collisions, violations of the requirements that both reports have and that applied in one of them, and at last the collisions of
+    /// both sides that are worse on one.
     pub events: Vec<CountedEvent>,
     /// One for each place, driver and controller, in the order of the first report; then those about all untrained controllers of a driver that has several.
     pub cells: Vec<ComparedCell>,
@@ -85,7 +86,9 @@ impl ReportComparison {
 pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportComparison, Incomparable> {
     let MatchedSearches { searches, apart } = compared_searches(before, after)?;
     let Matched { pairs, unmatched } = match matched(before, after) {
-        Err(Incomparable::NoRun { .. } | Incomparable::NoSuch { .. }) if !searches.is_empty() => {
+        Err(Incomparable::NoRun { .. } | Incomparable::NoEpisode { .. } | Incomparable::NoSuch { .. })
+            if !searches.is_empty() =>
+        {
             Matched { pairs: Vec::new(), unmatched: [0; 2] }
         }
         other => other?,
@@ -124,12 +127,15 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                 cell.iter().any(|pair| (0..2).any(|side| runs(side).any(|run| *run == pair[side].key.id)))
             }))
             .flat_map(|applies| [applies; KINDS])
+            .chain([true])
             .collect();
         pool.applies.resize(events.len(), false);
         pool.applies.iter_mut().zip(&applies).for_each(|(pooled, own)| *pooled |= is_pooled && *own);
         let mut counts = vec![Changed::default(); events.len()];
         // Collisions and each requirement apart.
-        let mut evaluated = vec![[Vec::new(), Vec::new()]; events.len() / KINDS];
+        let mut evaluated = vec![[Vec::new(), Vec::new()]; 1 + requirements.len()];
+        // The share of the starts of each run with a collision of both that is worse on either side.
+        let mut worse_by_run: Vec<[f64; 2]> = Vec::new();
         for [first, second] in cell {
             let (a, b) = (before.report.rows_of(first)?, after.report.rows_of(second)?);
             let broken = |side: &Side<'_>| {
@@ -158,6 +164,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             let keys = [&first.key, &second.key];
             let mut runs: Vec<[EvaluatedRun; 2]> =
                 evaluated.iter().map(|_| keys.map(|key| EvaluatedRun::new(key.clone(), MAX_KEPT))).collect();
+            let mut worse_here = [0.0_f64; 2];
             for (row, partner) in &rows {
                 let ends = [(0, *row, first), (1, *partner, second)].map(|(side, row, run)| {
                     let name = format!("{}:{}", run.key.id, tables[side].episode(row));
@@ -179,6 +186,12 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                     (0..2).for_each(|side| runs[side].add_events(start, sides[side]));
                     here.extend((0..KINDS).map(|event| sides.map(|side| side[event])));
                 }
+                let worse = match ends.each_ref().map(|(_, failure)| failure.map(SideCollision::from)) {
+                    [Some(before), Some(after)] => [before.is_worse_than(&after), after.is_worse_than(&before)],
+                    _ => [false; 2],
+                };
+                (0..2).for_each(|side| worse_here[side] += f64::from(u8::from(worse[side])));
+                here.push(worse);
                 counts.iter_mut().zip(&here).for_each(|(count, [was, now])| count.count(*was, *now));
                 if is_pooled {
                     pool.starts.count(start, &here);
@@ -188,6 +201,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                     changes.push(FailureChange { place: found.title(), sides });
                 }
             }
+            worse_by_run.extend((!rows.is_empty()).then(|| worse_here.map(|count| count / rows.len() as f64)));
             for (of_kind, runs) in evaluated.iter_mut().zip(runs).filter(|_| !rows.is_empty()) {
                 of_kind.iter_mut().zip(runs).for_each(|(side, run)| side.push(run));
             }
@@ -195,8 +209,9 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         pool.cell.differing += if is_pooled { found.differing } else { 0 };
         if found.starts > 0 {
             let figures = evaluated.into_iter().flat_map(compare_pair);
+            let worse = PairedRate::of_runs(&worse_by_run, *counts.last().expect("it is the last event"), found.starts);
             let rates = figures.zip(counts).map(|(figure, count)| PairedRate::of_cell(figure, count));
-            found.rates = rates.zip(applies).map(|(rate, applies)| applies.then_some(rate)).collect();
+            found.rates = rates.chain([worse]).zip(applies).map(|(rate, applies)| applies.then_some(rate)).collect();
         }
         compared.push(found);
     }

@@ -22,7 +22,7 @@ pub enum Incomparable {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A report has no such driver or simulator.
-    #[error("`{report}` has no episodes {of} `{name}`; it has {}", known.join(", "), report = report.display())]
+    #[error("`{report}` has no evaluated episodes {of} `{name}`; it has {}", if known.is_empty() { "none at all".into() } else { known.join(", ") }, report = report.display())]
     NoSuch {
         /// The folder of the report.
         report: PathBuf,
@@ -31,6 +31,21 @@ pub enum Incomparable {
         name: String,
         /// Those that it has.
         known: Vec<String>,
+    },
+    /// Both sides are the same runs.
+    #[error("both sides are the same runs of `{}`; give another report, or compare two drivers with `--drivers`", report.display())]
+    Same {
+        /// The folder of the report.
+        report: PathBuf,
+    },
+    /// A report has searches alone, and none that belongs to one of the other.
+    #[error(
+        "nothing can be compared: `{}` has no evaluated episodes, and none of its searches has the method, town, budget, run and seed of one of the other report",
+        report.display()
+    )]
+    NoEpisode {
+        /// The folder of the report.
+        report: PathBuf,
     },
     /// No run of one side is a run of the other.
     #[error(
@@ -60,10 +75,16 @@ pub(super) struct Matched<T> {
 
 /// Finds the runs of both sides that belong together.
 pub(super) fn matched(before: Side<'_>, after: Side<'_>) -> Result<Matched<StoredRun>, Incomparable> {
+    let one_report = before.report.folder() == after.report.folder();
+    if one_report && (before.driver, before.world) == (after.driver, after.world) {
+        return Err(Incomparable::Same { report: before.report.folder().to_path_buf() });
+    }
     let (first, second) = (before.runs()?, after.runs()?);
+    if let Some((side, _)) = [(before, &first), (after, &second)].into_iter().find(|(_, runs)| runs.is_empty()) {
+        return Err(Incomparable::NoEpisode { report: side.report.folder().to_path_buf() });
+    }
     let renamed = is_renamed(&first, &second, |run| &run.key.cell.policy);
     let moved = is_renamed(&first, &second, |run| &run.key.cell.world);
-    let one_report = before.report.folder() == after.report.folder();
     let example = |runs: &[StoredRun]| runs.first().map_or(String::new(), |run| run.key.to_string());
     let names = |run: &StoredRun| names(&run.key, (renamed, moved), one_report);
     let last = second.iter().min_by_key(|run| names(run)).map_or(String::new(), |run| run.key.to_string());

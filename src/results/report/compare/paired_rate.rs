@@ -7,24 +7,28 @@ use base::statistics::{disagreement, holm, mcnemar, mean_disagreement, mean_inte
 /// What is counted in a pair of episodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CountedEvent {
-    /// Collisions, the preventable ones, or the faults.
+    /// Collisions, the preventable ones, or the faults; the impact speed in [`CountedEvent::WORSE`].
     pub figure: Figure,
     /// The requirement whose violations are counted; `None` for collisions.
     pub requirement: Option<String>,
 }
 
 impl CountedEvent {
-    /// Those of episodes, then those of each requirement.
+    /// A collision of both sides that is worse on one.
+    pub const WORSE: Self = Self { figure: Figure::ImpactSpeed, requirement: None };
+
+    /// Those of episodes, then those of each requirement, then [`CountedEvent::WORSE`].
     pub fn all<'a>(requirements: impl Iterator<Item = &'a String>) -> Vec<Self> {
         let of = |requirement: Option<&String>| {
             Figure::COMPARED.map(|figure| Self { figure, requirement: requirement.cloned() })
         };
-        std::iter::once(None).chain(requirements.map(Some)).flat_map(of).collect()
+        std::iter::once(None).chain(requirements.map(Some)).flat_map(of).chain([Self::WORSE]).collect()
     }
 
     /// The start of the columns of its rate.
     pub fn rate(&self) -> String {
         match (&self.requirement, self.figure) {
+            (None, Figure::ImpactSpeed) => "worse_rate".into(),
             (None, figure) => figure.name().into(),
             (Some(name), Figure::Collision) => format!("violation_rate({name})"),
             (Some(name), figure) => format!("{}({name})", figure.name()),

@@ -188,6 +188,16 @@ pub fn compared_search_table() -> Table<'static, ComparedSearch> {
         .columns(changed("failed_starts", "failure", |row| row.collisions))
         .columns(changed("preventable_starts", "preventable failure", |row| row.preventable))
         .columns(changed("fault_starts", "fault", |row| row.found.changed))
+        .count(
+            "failed_starts_worse",
+            "tried starts with a found failure on both sides, of which the worst is worse on the second (as `collisions_worse`)",
+            |row| FailureChange::of_word(&row.changes, "worse").len() as u64,
+        )
+        .count(
+            "failed_starts_better",
+            "the same on the first side, and not on the second",
+            |row| FailureChange::of_word(&row.changes, "better").len() as u64,
+        )
 }
 
 /// Three columns: the starts with such a failure on the second side only, on the first side only, and on both.
@@ -250,7 +260,7 @@ mod tests {
         assert!((low - middle + half).abs() < 1e-6 && (high - middle - half).abs() < 1e-6, "{low}..{high}");
         let worst = &found.changes[0];
         assert_eq!(worst.sides[1].collision.as_ref().unwrap().impact_speed, 5.0);
-        assert_eq!(worst.word(), "same");
+        assert_eq!(worst.word(), "worse", "3 m/s before");
     }
 
     /// A comparison of two sides that do not differ: 12 searches with these runs of 60 starts. Each start has its own chance of a fault.

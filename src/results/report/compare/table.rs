@@ -5,8 +5,13 @@ use super::paired_rate::{Changed, CountedEvent, PairedRate};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::{Column, Family, Role, Table, TableReference};
 
-const BEFORE: Family<f64> =
-    Family::new("_before", "", "rate of the first side over the common starts, mean over runs").with_role(Role::Share);
+const BEFORE: Family<f64> = Family::new(
+    "_before",
+    "",
+    "rate of the first side over all common starts (also of a requirement, which need not apply there), mean over runs; `worse_rate` is of collisions of both \
+     sides that are worse on this side",
+)
+.with_role(Role::Share);
 const AFTER: Family<f64> = Family::new("_after", "", "the same of the second side").with_role(Role::Share);
 const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less first").with_role(Role::ShareDifference);
 const LOW: Family<f64> = Family::new(
@@ -37,6 +42,14 @@ const SAME: Family<u64> = Family::new(
     "",
     "common starts with such a failure on both sides; of all untrained pedestrians, with as many",
 );
+
+const WORSE: Family<u64> = Family::new(
+    "_worse",
+    "",
+    "common starts with a collision on both sides that is worse on the second: at least 1 m/s faster, a fault only there, or faster and therefore no fault any \
+     more; of all untrained pedestrians, with as many of them as of better ones or more",
+);
+const BETTER: Family<u64> = Family::new("_better", "", "the same on the first side, and not on the second");
 
 pub const OTHER_DRIVER: Column<String> = Column::new("other_driver", "", "name of the driver on the second side");
 pub const MATCHED_RUNS: Column<u64> = Column::new("runs", "", "matched runs");
@@ -104,6 +117,12 @@ fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
         let of = move |count: fn(Changed) -> u64| {
             move |row: &Row| row.rates.get(place).and_then(Option::as_ref).map_or(0, |rate| count(rate.changed))
         };
+        if *event == CountedEvent::WORSE {
+            table = table
+                .column(BETTER.of(name, of(|all| all.fixed)).of_figure(event.rate(), Role::Differing))
+                .column(WORSE.of(name, of(|all| all.new + all.same)).of_figure(event.rate(), Role::Differing));
+            continue;
+        }
         table = table
             .column(FIXED.of(name, of(|all| all.fixed)).of_figure(event.rate(), Role::Differing))
             .column(NEW.of(name, of(|all| all.new)).of_figure(event.rate(), Role::Differing))

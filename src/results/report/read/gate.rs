@@ -142,7 +142,7 @@ impl Judged {
             }
             Self::TooFewRechecked(count) => {
                 format!(
-                    "{}{place} without a fault of either driver say nothing; give `--starts 10` or more",
+                    "without a fault of either driver, {}{place} cannot show anything; give `--starts 10` or more",
                     starts(*count)
                 )
             }

@@ -76,6 +76,11 @@ impl Met {
         Some(SideCollision { class, verdict, fault: self.fault, kind: String::new(), impact_speed })
     }
 
+    /// Whether it is a collision that counts more against its driver than that of another driver.
+    pub fn is_worse_than(&self, other: &Self) -> bool {
+        self.collision().zip(other.collision()).is_some_and(|(own, other)| own.is_worse_than(&other))
+    }
+
     /// The probability of a severe injury; 0 without a collision.
     pub fn injury(&self) -> f64 {
         self.impact_speed.map_or(0.0, severe_injury_risk)

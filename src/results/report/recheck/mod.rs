@@ -13,7 +13,7 @@ pub use crossings::{CrossedStarts, StartFaults};
 pub use encounter::{Encounter, Encounters, Met};
 pub use failures::{RecheckedFailures, WalkedBy};
 pub use note::RecheckNote;
-pub use table::{NOT_MET, crossed_table, is_gone, is_not_met, rechecked_table};
+pub use table::{NOT_MET, crossed_table, is_better, is_gone, is_not_met, rechecked_table};
 
 use std::path::PathBuf;
 

@@ -19,6 +19,11 @@ pub fn is_not_met(before: &Met, after: &Met) -> bool {
     before.is_collision() && after.is_missed
 }
 
+/// Whether a collision is still one, and counts less against the new driver.
+pub fn is_better(before: &Met, after: &Met) -> bool {
+    before.is_worse_than(after) && !after.is_worse_than(before)
+}
+
 /// What the ends of an interval are.
 const LOW: &str = "its interval (95 %, Clopper and Pearson): lower end";
 const HIGH: &str = "upper end";
@@ -72,6 +77,16 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
             "still_collisions",
             "failures that are still collisions with the new driver",
             is(|_, after| after.is_collision()),
+        )
+        .count(
+            "still_collisions_worse",
+            "of these, those that are at least 1 m/s faster, a fault only now, or faster and therefore no fault any more",
+            is(|before, after| after.is_worse_than(before)),
+        )
+        .count(
+            "still_collisions_better",
+            "of these, those that are at least 1 m/s slower, or no fault any more, and not worse",
+            is(is_better),
         )
         .count(
             "gone",

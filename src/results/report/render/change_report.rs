@@ -70,9 +70,9 @@ impl ChangeSection {
     fn lists(&self) -> impl Iterator<Item = (&'static str, Vec<&FailureChange>)> {
         let titles = [
             "new",
-            "worse, a collision of both that is a fault only after",
+            "worse, a collision of both that is at least 1 m/s faster after, a fault only after, or faster and therefore no fault",
             "fixed",
-            "better, a collision of both that was a fault only before",
+            "better, a collision of both that is at least 1 m/s slower after, or a fault only before",
             "not met, a collision before, of a pedestrian who would miss the new driver even if that saw nobody",
             "same",
         ];

@@ -9,6 +9,12 @@ use base::statistics::mcnemar;
 
 /// Maximum number of kinds in a table.
 const MAX_KINDS: usize = 20;
+/// What the figures of rates are.
+const LEGEND: &str = "p decides: the interval is of another method, and may hold 0 where p is below 0.05. Worse: a collision of both sides that \
+                      is worse on this one.";
+/// The same of requirements.
+const LEGEND_OF_REQUIREMENTS: &str =
+    " Rates of requirements are of all common starts, also of those in which the requirement did not apply.";
 
 /// The result of a comparison.
 pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
@@ -19,6 +25,11 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
         tables: Vec::from_iter((!cell.rates.is_empty()).then(|| rates(&comparison.events, cell))),
         ..ChangeSection::default()
     }));
+    if let Some(first) = sections.iter_mut().find(|section| !section.tables.is_empty()) {
+        let is_of_requirements = comparison.events.iter().any(CountedEvent::is_violation);
+        let of_requirements = if is_of_requirements { LEGEND_OF_REQUIREMENTS } else { "" };
+        first.paragraphs.push(format!("{LEGEND}{of_requirements}"));
+    }
     if !comparison.changes.is_empty() {
         let mut failures = ChangeSection {
             heading: "failures".into(),
@@ -26,6 +37,12 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
             changes: comparison.changes.clone(),
             ..ChangeSection::default()
         };
+        let harder = comparison.changes.iter().filter(|change| change.is_faster_and_milder()).count();
+        if harder > 0 {
+            failures.paragraphs.push(format!(
+                "Collisions of both that are faster after and have a milder verdict: {harder}. A faster car leaves less time, so that is no improvement."
+            ));
+        }
         if let Some(worst) = FailureChange::worst(&comparison.changes, 1).first() {
             let [one, other] = &worst.sides;
             let (before, after) = (before.join(&one.name), after.join(&other.name));
@@ -66,17 +83,22 @@ fn common_starts(cell: &ComparedCell) -> String {
     }
 }
 
-/// How many failures are new, fixed and the same, and how many fault ones: a collision on both sides can be fault on one.
+/// How many failures are new, worse, fixed, better and the same, and how many faults are new, fixed and the same.
 fn headline(comparison: &ReportComparison) -> String {
     let is_told = |event: &&CountedEvent| {
-        event.is_violation() || event.requirement.is_none() && event.figure != Figure::Preventable
+        let is_of_collisions = matches!(event.figure, Figure::Collision | Figure::Fault);
+        event.is_violation() || event.requirement.is_none() && is_of_collisions
     };
+    let of_both = |word| FailureChange::of_word(&comparison.changes, word).len();
     let told = comparison.events.iter().filter(is_told).map(|event| {
         let Changed { new, fixed, same } = comparison.changed(event);
         let what = match (&event.requirement, event.figure) {
             (Some(name), _) => format!("violations of {name}"),
             (None, Figure::Fault) => "fault".into(),
-            (None, _) => "Failures".into(),
+            (None, _) => {
+                let [worse, better, same] = ["worse", "better", "same"].map(of_both);
+                return format!("Failures: {new} new, {worse} worse, {fixed} fixed, {better} better, {same} same");
+            }
         };
         format!("{what}: {new} new, {fixed} fixed, {same} same")
     });
@@ -150,7 +172,8 @@ fn counts(comparison: &ReportComparison, by: &'static str) -> Table {
     let mut rows: Vec<_> = counts.into_iter().collect();
     rows.sort_by_key(|(_, changed)| std::cmp::Reverse(changed.new + changed.fixed + changed.same));
     let mut head = vec![Column::text(by)];
-    head.extend(["before", "after", "new", "fixed", "same"].map(Column::number));
+    // A verdict that only one side has may be that of a collision of both.
+    head.extend(["before", "after", "only after", "only before", "both"].map(Column::number));
     let row = |(name, changed): (String, Changed)| {
         let mut row = vec![Value::Text(name)];
         let sums = [changed.fixed + changed.same, changed.new + changed.same, changed.new, changed.fixed, changed.same];

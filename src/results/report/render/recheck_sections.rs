@@ -5,6 +5,7 @@ use super::comparison_sections::p;
 use super::table::{Column, Table, Value};
 use crate::record::in_world;
 use crate::report::compare::drivers;
+use crate::report::recheck::is_better;
 use crate::report::{CrossedStarts, Met, Recheck, RecheckedFailures, StartFaults, is_gone, is_not_met};
 
 /// The result of a recheck.
@@ -39,11 +40,15 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
 fn failures(rows: &[RecheckedFailures]) -> Table {
     let mut head = vec![Column::text("driver"), Column::text("town"), Column::text("found in"), Column::text("by")];
     head.extend(
-        ["failures", "faults", "still faults", "turned faults", "still collisions", "gone", "not met", "errors"]
+        ["failures", "faults", "still faults", "turned faults", "still collisions", "of them worse", "better"]
             .map(Column::number),
     );
+    head.extend(["gone", "not met", "errors", "avoidable injuries"].map(Column::number));
     let row = |row: &RecheckedFailures| {
         let count = |is: fn(&Met, &Met) -> bool| Value::Count(row.encounters.count(is).unwrap_or_default());
+        let injuries = |of: fn((Met, Met)) -> Met| -> f64 {
+            row.encounters.ends().map(|ends| of(ends).avoidable_injury()).sum::<f64>() + 0.0
+        };
         vec![
             drivers(&row.policies).into(),
             in_world(&row.town, &row.world).into(),
@@ -54,9 +59,12 @@ fn failures(rows: &[RecheckedFailures]) -> Table {
             count(|before, after| before.fault && after.fault),
             count(|before, after| !before.fault && after.fault),
             count(|_, after| after.is_collision()),
+            count(|before, after| after.is_worse_than(before)),
+            count(is_better),
             count(is_gone),
             count(is_not_met),
             Value::Count(row.encounters.errors()),
+            format!("{:.3} → {:.3}", injuries(|(before, _)| before), injuries(|(_, after)| after)).into(),
         ]
     };
     Table { head, rows: rows.iter().map(row).collect(), ..Table::default() }
