@@ -5,9 +5,9 @@ use std::cmp::Ordering;
 use crate::jobs::Find;
 use crate::record::{CellKey, EpisodeTable, RunKey};
 use base::choice;
-use base::units::Dimension;
 use compile::SearchKey;
 use world::av::DrivingMode;
+use world::cause::{part_of, unit_of};
 use world::env::Impact;
 use world::judge::{Class, Label, NoVerdict, Sight, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
@@ -319,20 +319,6 @@ impl From<&Find<'_>> for Failure {
             ..Self::new(RunKey { id: find.id, cell, run }, FoundBy::Search, find.number as u64)
         }
     }
-}
-
-/// The unit of a requirement's robustness, in SI; empty if it is scaled, and of plain numbers.
-pub fn unit_of(requirement: &NamedRequirement) -> &'static str {
-    match requirement.requirement.dimension() {
-        Some(Dimension::ANGLE) => "rad",
-        Some(dimension) => dimension.usual_units().first().copied().unwrap_or_default(),
-        None => "",
-    }
-}
-
-/// The comparison that decides a degree of a requirement, as the scenario writes it.
-pub fn part_of<'a>(named: &'a NamedRequirement, degree: &Degree) -> Option<&'a str> {
-    Some(&named.requirement.parts.get(usize::from(degree.part?))?.text)
 }
 
 /// Why violations of a requirement have no verdict; empty if they have.

@@ -314,6 +314,8 @@ fn confusion(drivers: &[&str], rows: &[Vec<Defect>], starts: (u64, u32)) -> Conf
             let mut named: BTreeMap<Weakness, u32> = BTreeMap::new();
             for incident in incidents(evaluation, defects, starts) {
                 let cause = explain(&incident, Questions::Weakness, RunLimit::default()).expect("it fails again");
+                let is_denied = cause.faculties.contains(&("no delay", false));
+                assert!(!is_denied || !cause.enough.contains(&Weakness::Delay), "{cause:?}");
                 let is_defect = |weakness: Weakness| defects.iter().any(|defect| weakness == defect.weakness());
                 let others: Vec<Weakness> = cause.enough.iter().copied().filter(|it| *it != cause.weakness).collect();
                 let first = is_defect(cause.weakness);

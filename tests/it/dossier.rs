@@ -1,5 +1,9 @@
 //! The dossier of a run: every heading has its figures or says that it was not done, and threads change nothing.
 
+use std::path::Path;
+
+use serde_json::Value;
+
 use crate::program::falsify;
 
 const SCENARIO: &str = r#"edition 1
@@ -20,7 +24,8 @@ campaign c {
 }
 "#;
 
-fn dossier(required: &str, threads: &str) -> String {
+/// The folder in which it ran, and its dossier.
+fn dossier(required: &str, threads: &str) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("c.scn"), SCENARIO.replace("REQUIRED", required)).unwrap();
     let output = falsify(&["run", "c.scn", "--dossier", "--threads", threads], folder.path());
@@ -29,13 +34,42 @@ fn dossier(required: &str, threads: &str) -> String {
     let again = falsify(&["run", "c.scn", "--dossier", "--seed", "2", "--replace"], folder.path());
     assert!(again.status.success(), "{again:?}");
     assert!(falsify(&["run", "c.scn", "--dossier", "--replace"], folder.path()).status.success());
-    std::fs::read_to_string(folder.path().join("reports/c/dossier.html")).unwrap()
+    let page = std::fs::read_to_string(folder.path().join("reports/c/dossier.html")).unwrap();
+    (folder, page)
+}
+
+/// Checks that dossier, summary and replay say the same of a failure, and what is violated first.
+fn assert_one_cause(here: &Path, page: &str) {
+    let replay = |name: &str| -> Value {
+        let output = falsify(&["replay", name, "--json"], here);
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{output:?}"))
+    };
+    let page = page.replace("<code>", "`").replace("</code>", "`");
+    let findings = page.split("<h2>").find(|section| section.contains("Failures and their causes")).unwrap();
+    let rows = findings.split("<th scope=\"row\">`").skip(1);
+    let names: Vec<&str> = rows.filter_map(|row| row.split('`').next()).collect();
+    assert!(!names.is_empty(), "{findings}");
+    let summary = std::fs::read_to_string(here.join("reports/c/summary.md")).unwrap();
+    for name in names {
+        let replayed = replay(name);
+        let sentence = replayed["cause"]["sentence"].as_str().unwrap();
+        assert!(findings.contains(sentence), "{name} {sentence} {findings}");
+        let row = summary.lines().find(|line| line.contains(&format!("`{name}` | The driver")));
+        assert!(row.is_none_or(|row| row.contains(sentence)), "{sentence} {row:?}");
+    }
+    let listed = falsify(&["failures", "--verdict", "violation", "--names"], here);
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    let mut violations = listed.lines().filter_map(|path| path.rsplit(['/', '\\']).next()).map(replay);
+    let violation = violations.find(|each| each["collision"] == false).expect("there is a violation alone");
+    let sentence = violation["cause"]["sentence"].as_str().unwrap();
+    assert!(sentence.starts_with("The driver violates `safe_passing` "), "{sentence}");
 }
 
 #[test]
 fn every_heading_has_figures_or_says_that_it_was_not_done() {
-    let page = dossier("requirements: [safe_passing]", "1");
-    assert_eq!(page, dossier("requirements: [safe_passing]", "3"));
+    let (folder, page) = dossier("requirements: [safe_passing]", "1");
+    assert_eq!(page, dossier("requirements: [safe_passing]", "3").1);
+    assert_one_cause(folder.path(), &page);
     let sections: Vec<&str> = page.split("<h2>").skip(1).collect();
     assert_eq!(sections.len(), 8);
     for section in &sections {
@@ -57,7 +91,9 @@ fn every_heading_has_figures_or_says_that_it_was_not_done() {
             || sections[3].contains("<code>hunter</code> against")
     );
     assert!(!page.contains("http-equiv=\"refresh\"") && !page.contains("src=\"http"));
-    let without = dossier("", "2");
+    let varied = ["<th scope=\"row\">hunter</th>", "-60 to 60"];
+    assert!(varied.iter().all(|part| sections[0].contains(part)), "{}", sections[0]);
+    let (_, without) = dossier("", "2");
     assert_eq!(without.matches("Not done in this campaign.").count(), 2, "nor were there requirements");
 }
 
@@ -74,4 +110,29 @@ fn requirements_that_nobody_judged_are_not_called_kept_and_a_dossier_stays() {
     assert_eq!(page.matches("not judged").count(), 2, "{page}");
     assert!(falsify(&["run", "c.scn", "--seed", "2", "--replace"], folder.path()).status.success());
     assert!(std::fs::read_to_string(&file).unwrap() != page, "that of the new run");
+}
+
+#[test]
+fn the_dossier_of_a_protocol_says_what_its_limits_allow_and_that_it_is_no_rating() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"edition 1
+import "std/drivers.scn"
+import "std/r152.scn"
+campaign p {
+  vehicle: model3  body: adult_target  spawn: r152_crossing  episode: protocol_test
+  evaluate { towns: [test_track]  drivers: [behavior]  pedestrians: [scripted] }
+}
+"#;
+    std::fs::write(folder.path().join("p.scn"), text).unwrap();
+    assert!(falsify(&["run", "p.scn", "--dossier"], folder.path()).status.success());
+    let page = std::fs::read_to_string(folder.path().join("reports/p/dossier.html")).unwrap();
+    let sections: Vec<&str> = page.split("<h2>").skip(1).collect();
+    let (scope, required, covered, models) = (sections[0], sections[2], sections[3], sections[6]);
+    for said in ["Some of them allow a collision", "This is not a rating.", "A cell is the impact speed"] {
+        assert!(required.contains(said), "{said} {required}");
+    }
+    assert!(!required.contains("Not done in this campaign."), "{required}");
+    assert!(covered.contains("beside the limits of the protocol's tests"), "{covered}");
+    assert!(scope.contains("extrapolation") && scope.contains("What was varied"), "{scope}");
+    assert!(!models.contains("Tefft") && !models.contains("fixed cycles"), "{models}");
 }

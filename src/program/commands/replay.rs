@@ -14,9 +14,9 @@ use crate::session::{
     Causes, ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, reasons,
 };
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
-use results::failure::{no_verdict, part_of, unit_of};
+use results::failure::no_verdict;
 use results::report::{self, Narrative, StoredReport};
-use world::cause::{Cause, MAX_RUNS, Need, Questions, RunLimit, TurnedBy, needed};
+use world::cause::{Cause, MAX_RUNS, Need, Questions, RunLimit, TurnedBy, needed, part_of, unit_of};
 use world::judge::JudgedDegree;
 use world::sim::time_of;
 

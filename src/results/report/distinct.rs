@@ -25,7 +25,7 @@ pub struct DistinctFailure {
     pub commands: Option<[usize; 2]>,
     /// Whether it was asked why it happened.
     pub is_asked: bool,
-    /// Why it happened; `None` if that was not asked, or if it does not repeat.
+    /// Why it happened as it was recorded, not as it was shrunk; `None` if that was not asked, or if it does not repeat.
     pub cause: Option<Cause>,
 }
 
@@ -60,20 +60,21 @@ pub fn distinct_failures(
     max_explained: usize,
     seed: &Seed,
 ) -> Vec<DistinctFailure> {
-    let shrunk = parallel::map(failures, |failure| {
+    let repeated = parallel::map(failures, |failure| {
         let (.., repeated) =
             (!is_of_program(found, failure)).then(|| played_failure(&failure.name(), found, seed))??;
         let incident = repeated.incident()?;
-        shrink(&incident, runs_of(&incident))
+        let shrunk = shrink(&incident, runs_of(&incident))?;
+        Some((incident, shrunk))
     });
     let class = |failure: &Failure, shrunk: &Shrunk| (failure.key.cell.policy.clone(), shrunk.class());
-    let classed = failures.iter().zip(shrunk).map(|(failure, shrunk)| {
-        let class = shrunk.as_ref().map(|shrunk| class(failure, shrunk));
-        ((*failure, shrunk), class)
+    let classed = failures.iter().zip(repeated).map(|(failure, repeated)| {
+        let class = repeated.as_ref().map(|(_, shrunk)| class(failure, shrunk));
+        ((*failure, repeated), class)
     });
     let firsts = first_of_each(classed);
     let mut kinds = Vec::new();
-    let is_asked = |(place, ((failure, _), _)): (usize, &((&Failure, Option<Shrunk>), usize))| {
+    let is_asked = |(place, ((failure, _), _)): (usize, &((&Failure, Option<(Incident, Shrunk)>), usize))| {
         if !is_of_program(found, failure) {
             return place < max_explained;
         }
@@ -84,21 +85,21 @@ pub fn distinct_failures(
     };
     let asked: Vec<bool> = firsts.iter().enumerate().map(is_asked).collect();
     let each: Vec<_> = firsts.into_iter().zip(asked).collect();
-    let causes = parallel::map(&each, |(((failure, shrunk), _), is_asked)| match shrunk {
+    let causes = parallel::map(&each, |(((failure, repeated), _), is_asked)| match repeated {
         _ if !is_asked => None,
-        Some(Shrunk { incident, .. }) => {
+        Some((incident, _)) => {
             let limit = RunLimit { max_runs: runs_of(incident), ..RunLimit::default() };
             explain(incident, Questions::OfCopied, limit)
         }
         None => explain_any(&played_failure(&failure.name(), found, seed)?.2.incident()?),
     });
-    let distinct = |((((failure, shrunk), merged), is_asked), cause): (_, Option<Cause>)| {
-        let shrunk: Option<Shrunk> = shrunk;
+    let distinct = |((((failure, repeated), merged), is_asked), cause): (_, Option<Cause>)| {
+        let repeated: Option<(Incident, Shrunk)> = repeated;
         let failure: &Failure = failure;
         DistinctFailure {
             failure: failure.clone(),
             merged,
-            commands: shrunk.map(|shrunk| shrunk.counts),
+            commands: repeated.map(|(_, shrunk)| shrunk.counts),
             is_asked,
             cause,
         }

@@ -1,7 +1,9 @@
 use super::altered::BRAKING;
 use super::experiments::{Experiments, PARTS};
 use super::profile::Profile;
+use super::sentence::faculty;
 use super::setting::Variable;
+use super::violated::violated_part;
 use super::{Change, Incident};
 use crate::av::{DrivingMode, Weakness};
 use crate::env::{Criterion, DriverParts};
@@ -37,6 +39,8 @@ pub const MAX_RUNS_OF_PROGRAM: u32 = 200;
 const DROVE_OFF: f64 = 6.0;
 /// A driver that reacts earlier by this to a pedestrian from the other side (s) sees one side only.
 const EARLIER: f64 = 0.5;
+/// What of a driver is made perfect.
+pub(super) const FACULTIES: [&str; 4] = ["perfect perception", "perfect prediction", "a perfect brake", "no delay"];
 
 /// Why a driver failed, by runs with one thing changed. Times are before the touch, or before the end of the episode that violates a requirement (s).
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -50,6 +54,8 @@ pub struct Cause {
     pub enough: Vec<Weakness>,
     /// What times are before: `the collision`, or `the end of the episode` of a violation.
     pub end: &'static str,
+    /// Which requirement is violated, when and by how much; `None` of a collision.
+    pub violated: Option<String>,
     /// When full braking, comfortable braking and swerving help for the last time; `None` if they never do.
     pub last: [Option<f64>; 3],
     /// For how long the pedestrian was in sight without a break.
@@ -60,7 +66,7 @@ pub struct Cause {
     pub braked: Option<f64>,
     /// Whether it stood shortly before, and at a red light.
     pub drove_off: Option<bool>,
-    /// What of a driver was made perfect, one at a time, and whether that turns it.
+    /// What of a driver was made perfect, one at a time, and whether that turns it. One that does not is left out if a stronger repair of the same is enough.
     pub faculties: Vec<(&'static str, bool)>,
     /// The smallest change of a setting of the driver or of its sensors that turns it, as all larger ones that were tried do; one that costs no faults in
     /// natural crossings comes first.
@@ -142,7 +148,8 @@ pub fn explain(incident: &Incident, questions: Questions, limit: RunLimit<'_>) -
         }
     }
     let end = if incident.criterion == Criterion::Collision { "the collision" } else { "the end of the episode" };
-    Some(Cause { end, tried: it.tried, runs: it.runs, is_cut: it.is_cut, ..cause })
+    let violated = it.violated();
+    Some(Cause { end, violated, tried: it.tried, runs: it.runs, is_cut: it.is_cut, ..cause })
 }
 
 /// What happened, in ticks of the episode.
@@ -158,11 +165,20 @@ struct Facts {
 }
 
 impl Experiments<'_> {
+    /// As `` `slow_pass` 3.2 s after the start by 0.31 m/s; `ego_speed < 3 m/s` decides``; `None` of a collision.
+    fn violated(&self) -> Option<String> {
+        let place = self.incident.criterion.requirement()?;
+        let (named, degree) = (self.incident.scenario.requirements.get(place)?, self.base.trace.degrees().get(place)?);
+        let instant = degree.instant(self.dt()).min(self.base.outcome.duration);
+        Some(format!("`{}` {instant:.1} s after the start{}", named.name, violated_part(named, degree)))
+    }
+
     /// The cause without settings.
     fn cause(&mut self, parts: &DriverParts, facts: &Facts) -> Cause {
         let (weakness, amount) = self.weakness(parts, facts);
-        let faculties = self.faculties(parts, facts).into();
+        let mut faculties = self.faculties(parts, facts).to_vec();
         let enough = self.enough(weakness, facts);
+        faculties.retain(|(what, turns)| *turns || enough.iter().all(|weakness| faculty(*weakness) != Some(*what)));
         let is_of_side = weakness == Weakness::BlindSide || enough.contains(&Weakness::BlindSide);
         let side = is_of_side.then(|| self.sides(facts).0);
         let Facts { last, seen, reaction, braked, drove_off, .. } = *facts;
@@ -359,13 +375,13 @@ impl Experiments<'_> {
     fn faculties(&mut self, parts: &DriverParts, facts: &Facts) -> [(&'static str, bool); 4] {
         let late = facts.profile.latency.map_or(0, |(least, _)| (least / self.dt()).round() as u32);
         let parts = [&parts.exact_sensors, &None, &None, &parts.prompt];
-        let changes: [(&str, Vec<Change>); 4] = [
-            ("perfect perception", vec![Change::SeenThrough]),
-            ("perfect prediction", vec![Change::TrueVelocity, Change::Foretold]),
-            ("a perfect brake", vec![Change::BrakesFully, Change::KeepsBraking]),
-            ("no delay", (late > 0).then_some(Change::Earlier(late)).into_iter().collect()),
+        let changes = [
+            vec![Change::SeenThrough],
+            vec![Change::TrueVelocity, Change::Foretold],
+            vec![Change::BrakesFully, Change::KeepsBraking],
+            (late > 0).then_some(Change::Earlier(late)).into_iter().collect(),
         ];
-        let mut each = changes.into_iter().zip(parts).map(|((what, changes), part)| {
+        let mut each = FACULTIES.into_iter().zip(changes).zip(parts).map(|((what, changes), part)| {
             let is_turned = part.as_ref().is_some_and(|part| self.is_turned_by(part));
             (what, is_turned || changes.iter().any(|change| self.turns(*change)))
         });
@@ -415,7 +431,7 @@ impl Experiments<'_> {
         }
         let nearer = self.least(MAX.2, Change::Nearer);
         self.note(format!("up to {} m nearer along its way", MAX.2), nearer.is_some());
-        nearer.map(|nearer| (Weakness::Distance, Some(nearer)))
+        nearer.map(|_| (Weakness::Distance, None))
     }
 
     /// Whether somebody in its way is noticed too late at this speed: beyond a fixed range, or at a distance that grows with the speed but too little.

@@ -20,6 +20,7 @@ mod profile;
 mod sentence;
 mod setting;
 mod shrink;
+mod violated;
 
 pub use altered::{Change, unseeing};
 pub use around::{Around, StartRule, around};
@@ -29,3 +30,4 @@ pub use incident::{Incident, Rerun, Reruns, WrapMaker};
 pub use needs::{Need, needed, needed_names, needs};
 pub use plan::{Plan, Segment};
 pub use shrink::{Limit, Shrunk, shrink};
+pub use violated::{part_of, unit_of, violated_part};

@@ -1,17 +1,34 @@
+use super::explain::FACULTIES;
 use super::setting::rounded;
 use super::{Cause, TurnedBy};
 use crate::av::Weakness;
 
+/// What of a driver is perfect if a weakness is repaired; `None` if that is none of the faculties.
+pub(super) fn faculty(weakness: Weakness) -> Option<&'static str> {
+    let place = match weakness {
+        Weakness::Hidden | Weakness::BlindSide | Weakness::Range | Weakness::Errors | Weakness::Dropouts => 0,
+        Weakness::Anticipation => 1,
+        Weakness::WeakBrake | Weakness::LetsGo => 2,
+        Weakness::Delay => 3,
+        Weakness::Distance | Weakness::Corridor | Weakness::Ignores | Weakness::NotFound => return None,
+    };
+    Some(FACULTIES[place])
+}
+
 impl Cause {
-    /// The cause in a few sentences, without the name of the driver: `drives off after a red light, sees her for 2.4 s and does not brake: …`, then the setting
-    /// that avoids it.
+    /// The cause in a few sentences, without the name of the driver: the violation of a requirement, `The driver drives off after a red light, has the pedestrian
+    /// in sight for 2.4 s and does not react: …`, then the setting that avoids it.
     pub fn sentence(&self) -> String {
         let cut = match self.is_cut {
             true => format!(" The limit of {} runs was reached, so not all was tried.", self.runs),
             false => String::new(),
         };
+        let (who, violated) = match &self.violated {
+            Some(violated) => ("It", format!("The driver violates {violated}. ")),
+            None => ("The driver", String::new()),
+        };
         if self.is_cut && self.weakness == Weakness::NotFound {
-            return format!("A cause was not found.{cut}");
+            return format!("{violated}A cause was not found.{cut}");
         }
         let drove_off = match self.drove_off {
             Some(true) => "drives off after a red light, ",
@@ -26,21 +43,43 @@ impl Cause {
         let why = self.why();
         let without = self.without.as_ref().map(|what| format!("without {what} it avoids it"));
         let without = without.map(|without| format!("; {without}")).unwrap_or_default();
-        let enough = self.repairs();
         let setting = self.setting.as_ref().map_or(String::new(), |setting| format!(" {}", setting.text()));
         format!(
-            "The driver {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{enough}{without}.{setting}{cut}",
+            "{violated}{who} {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{without}.{setting}{cut}",
             self.seen
         )
     }
 
-    /// Which of two repairs are enough, each alone; empty of one that the cause already says. A repair of what is named that was tried and is not enough is
-    /// said, too.
-    fn repairs(&self) -> String {
-        let on_side = format!("a reaction to people on its {}", self.side.unwrap_or("blind side"));
-        let repair = |weakness: &Weakness| match weakness {
+    /// What it lacks and what avoids it, as a part of a sentence. Where the repair of what is named is not enough, one that is leads.
+    pub fn why(&self) -> String {
+        // From the other side a pedestrian often misses the way of the car, so that run shows nothing if it fails.
+        let is_tried =
+            matches!(self.weakness, Weakness::Range | Weakness::Distance | Weakness::Delay | Weakness::Anticipation);
+        let is_enough = self.enough.contains(&self.weakness);
+        let (lack, own) = (self.lack(), self.repair(self.weakness));
+        match self.repairs().as_slice() {
+            [one, other] if is_enough => format!("{lack}; either of these alone avoids it: {one}, or {other}"),
+            _ if is_enough => lack,
+            [one, ..] if is_tried => format!("{one} alone avoids it, {own} alone does not; {lack}"),
+            [one, ..] => format!("{lack}; {one} alone avoids it"),
+            [] if is_tried => format!("{lack}; {own} alone does not avoid it"),
+            [] => lack,
+        }
+    }
+
+    /// At most two repairs that avoid it, each alone: of weaknesses, the named one first, then what else is enough if it is perfect.
+    fn repairs(&self) -> Vec<String> {
+        let is_said = |what| self.enough.iter().any(|weakness| faculty(*weakness) == Some(what));
+        let perfect = self.faculties.iter().filter(|(what, turns)| *turns && !is_said(*what));
+        let enough = self.enough.iter().map(|weakness| self.repair(*weakness));
+        enough.chain(perfect.map(|(what, _)| (*what).to_string())).take(2).collect()
+    }
+
+    /// What repairs a weakness.
+    fn repair(&self, weakness: Weakness) -> String {
+        match weakness {
             Weakness::Hidden => "sight through the obstacle",
-            Weakness::BlindSide => on_side.as_str(),
+            Weakness::BlindSide => return format!("a reaction to people on its {}", self.side.unwrap_or("blind side")),
             Weakness::Range => "a longer range",
             Weakness::Errors | Weakness::Dropouts => "exact sensors",
             Weakness::Delay => "a prompt response",
@@ -50,28 +89,16 @@ impl Cause {
             Weakness::Anticipation => "a true forecast of the pedestrian",
             Weakness::Corridor => "a wider corridor",
             Weakness::Ignores | Weakness::NotFound => "to brake for people",
-        };
-        // From the other side a pedestrian often misses the way of the car, so that run shows nothing if it fails.
-        let is_tried =
-            matches!(self.weakness, Weakness::Range | Weakness::Distance | Weakness::Delay | Weakness::Anticipation);
-        let own = repair(&self.weakness);
-        match self.enough.as_slice() {
-            [one, other] => format!("; either of these alone avoids it: {}, or {}", repair(one), repair(other)),
-            [one] if *one == self.weakness => String::new(),
-            [one] if is_tried => format!("; {} alone avoids it, {own} alone does not", repair(one)),
-            [one] => format!("; {} alone avoids it", repair(one)),
-            [] if is_tried => format!("; {own} alone does not avoid it"),
-            _ => String::new(),
         }
+        .into()
     }
 
-    /// What it lacks, as a part of a sentence.
-    pub fn why(&self) -> String {
+    /// What it lacks. Amounts are those of this encounter.
+    fn lack(&self) -> String {
         let amount = self.amount;
         // A run without errors of declared sensors; else it may be the driver that does not look.
         let of_sensors = self.tried.iter().any(|(what, turns)| *turns && what == "exact sensors");
         let side = self.side.unwrap_or("blind side");
-        let by = |unit: &str| amount.map_or(String::new(), |amount| format!(" {amount:.1} {unit}"));
         match self.weakness {
             Weakness::Ignores => match self.reacted {
                 None => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
@@ -88,7 +115,9 @@ impl Cause {
                 format!("on its {side} it reacts to people {aside}{other}")
             }
             Weakness::Range => match amount {
-                Some(range) => format!("it notices somebody in its way only {range:.1} m ahead, at any speed"),
+                Some(range) => {
+                    format!("here it notices somebody in its way only {range:.1} m before its bumper, also when faster")
+                }
                 None => "its sensors do not reach far enough".into(),
             },
             Weakness::Dropouts if of_sensors => "its sensors lose the pedestrian".into(),
@@ -104,11 +133,13 @@ impl Cause {
             ),
             Weakness::LetsGo => "it lets go of the brake, and avoids it if it keeps it".into(),
             Weakness::Distance => {
-                format!("it brakes too late for its speed, for somebody in its way only{} ahead", by("m"))
+                let at = amount.map(|gap| format!(", here for somebody in its way only {gap:.1} m before its bumper"));
+                format!("it brakes too late for its speed{}", at.unwrap_or_default())
             }
             Weakness::Anticipation => "it does not expect where the pedestrian will be".into(),
             Weakness::Corridor => {
-                format!("the pedestrian is outside the corridor that it watches; with{} more it avoids it", by("m"))
+                let aside = amount.map_or(String::new(), |aside| format!(" {aside:.1} m"));
+                format!("the pedestrian is outside the corridor that it watches; with{aside} more it avoids it")
             }
             Weakness::NotFound => "a cause was not found".into(),
         }
@@ -200,14 +231,30 @@ mod tests {
     }
 
     #[test]
-    fn a_repair_that_was_tried_and_is_not_enough_is_said() {
-        let said =
-            |weakness, enough: &[Weakness]| Cause { weakness, enough: enough.into(), ..Cause::default() }.repairs();
+    fn what_avoids_it_leads_where_the_repair_of_what_is_named_does_not() {
+        let said = |weakness, enough: &[Weakness], perfect| {
+            let cause = Cause { weakness, enough: enough.into(), faculties: vec![(perfect, true)], ..Cause::default() };
+            cause.why().replace(&cause.lack(), "LACK")
+        };
         let forecast = "a true forecast of the pedestrian alone avoids it";
-        let only = said(Weakness::Range, &[Weakness::Anticipation]);
-        assert_eq!(only, format!("; {forecast}, a longer range alone does not"));
-        assert_eq!(said(Weakness::BlindSide, &[Weakness::Anticipation]), format!("; {forecast}"));
-        assert_eq!(said(Weakness::Range, &[]), "; a longer range alone does not avoid it");
-        assert_eq!(said(Weakness::Range, &[Weakness::Range]), "", "the cause says it");
+        let (prediction, brake) = ("perfect prediction", "a perfect brake");
+        let only = said(Weakness::Range, &[Weakness::Anticipation], prediction);
+        assert_eq!(only, format!("{forecast}, a longer range alone does not; LACK"));
+        assert_eq!(said(Weakness::BlindSide, &[Weakness::Anticipation], prediction), format!("LACK; {forecast}"));
+        let of_brake = said(Weakness::Range, &[], brake);
+        assert_eq!(of_brake, "a perfect brake alone avoids it, a longer range alone does not; LACK");
+        let both = said(Weakness::Range, &[Weakness::Range], brake);
+        assert_eq!(both, "LACK; either of these alone avoids it: a longer range, or a perfect brake");
+        assert_eq!(said(Weakness::Delay, &[Weakness::Delay], "no delay"), "LACK", "the cause says it");
+        let none = Cause { weakness: Weakness::Range, ..Cause::default() };
+        assert!(none.why().ends_with("; a longer range alone does not avoid it"), "{}", none.why());
+    }
+
+    #[test]
+    fn a_violated_requirement_comes_first() {
+        let violated = Some("`slow_pass` 3.2 s after the start by 0.31 m/s".into());
+        let said = Cause { violated, end: "the end of the episode", ..Cause::default() }.sentence();
+        let first = "The driver violates `slow_pass` 3.2 s after the start by 0.31 m/s. It has the pedestrian in sight";
+        assert!(said.starts_with(first), "{said}");
     }
 }

@@ -50,7 +50,9 @@ pub fn coverage(found: &Findings<'_>) -> Section {
     };
     let mut lead = Vec::new();
     if rules.rows.is_empty() {
-        lead.push("No rule of the road was required: a collision is the only failure.".into());
+        let is_protocol = !found.gathered.protocol.is_empty() || !found.layers.is_empty();
+        let beside = if is_protocol { " beside the limits of the protocol's tests" } else { "" };
+        lead.push(format!("No rule of the road was required{beside}: a collision is the only failure that is listed."));
     }
     let holes = holes(found);
     lead.push(match holes.as_slice() {
@@ -97,7 +99,7 @@ fn environment(named: &NamedTown, found: &Findings<'_>) -> Vec<Value> {
     ]
 }
 
-/// What drivers did in the worst failure of each cell, by their own word for it.
+/// What drivers did at the end of listed failures, by their own word for it.
 fn competency(found: &Findings<'_>) -> Table {
     let mut counted: Vec<(DrivingMode, u64, u64)> = DrivingMode::ALL.iter().map(|mode| (*mode, 0, 0)).collect();
     for driver in &found.drivers {
@@ -109,14 +111,21 @@ fn competency(found: &Findings<'_>) -> Table {
             }
         }
     }
+    let name = |mode: &DrivingMode| mode.name().replace('_', " ");
     let row = |(mode, all, faults): &(DrivingMode, u64, u64)| {
-        vec![Value::from(mode.name().replace('_', " ")), Value::Count(*all), Value::Count(*faults)]
+        vec![Value::from(name(mode)), Value::Count(*all), Value::Count(*faults)]
     };
+    let (failed, others): (Vec<_>, Vec<_>) = counted.into_iter().partition(|(_, all, _)| *all > 0);
+    let others: Vec<String> = others.iter().map(|(mode, ..)| name(mode)).collect();
+    let others = if others.is_empty() { "none".to_owned() } else { others.join(", ") };
     Table {
         title: "Competency: what the driver did when it failed".into(),
         head: head(["manoeuvre"], ["listed failures", "faults"]),
-        rows: counted.iter().map(row).collect(),
-        notes: vec!["The worst failure of each start, at most 100 a driver. A row of zeros is a competency in which no failure was found, or which was not met.".into()],
+        rows: failed.iter().map(row).collect(),
+        notes: vec![format!(
+            "The worst failure of each start, at most 100 a driver. No listed failure ended in one of these: {others}. The column `driving_mode` of `episodes` has that in which \
+             each evaluated episode ended; one that is not in it was not met there. Of searches it is known of failures alone."
+        )],
         ..Table::default()
     }
 }

@@ -39,33 +39,35 @@ pub fn bottom_lines(found: &Findings<'_>, shown: &[DistinctFailure]) -> Vec<Stri
                 place(cell, &found.cells)
             ),
             (None, Some(searched)) => {
-                format!("{} faults in {} episodes of searches", searched.fault, searched.episodes)
+                format!("{} of {} episodes of searches are faults", searched.fault, searched.episodes)
             }
             (None, None) => "not evaluated".into(),
         };
         let named = result.worst.as_ref().map_or_else(String::new, |worst| format!(" (`{}`)", worst.name()));
         let own = || shown.iter().filter(|finding| finding.failure.key.cell.policy == *name);
-        let mut causes: Vec<(&Cause, usize)> = Vec::new();
+        let mut causes: Vec<(&Cause, String, usize)> = Vec::new();
         for finding in own() {
             let Some(cause) = &finding.cause else { continue };
-            match causes.iter_mut().find(|(known, _)| known.weakness == cause.weakness) {
-                Some((_, count)) => *count += finding.merged,
-                None => causes.push((cause, finding.merged)),
+            match causes.iter_mut().find(|(known, ..)| known.weakness == cause.weakness) {
+                Some((.., count)) => *count += finding.merged,
+                None => causes.push((cause, finding.failure.name(), finding.merged)),
             }
         }
         // Of equal ones that of the worst failure.
         causes.reverse();
         let all: usize = own().map(|finding| finding.merged).sum();
-        let cause = match causes.into_iter().max_by_key(|(_, count)| *count) {
-            Some((cause, count)) => {
-                format!("The most frequent cause, of {count} of {all} that count against it: {}.", cause.why())
-            }
+        let cause = match causes.into_iter().max_by_key(|(.., count)| *count) {
+            Some((cause, name, count)) => format!(
+                "The most frequent cause, of {count} of the {all} listed failures (one of each start) that count against it, in the words of `{name}`: {}.",
+                cause.why()
+            ),
             None if all == 0 => "No listed failure counts against it.".into(),
-            None => format!("No cause is known of {all} failures that count against it."),
+            None => format!("No cause is known of the {all} listed failures that count against it."),
         };
         format!("**{name}**: {rate}; worst failure: {}{named}. {cause}", result.worst_in_words())
     };
-    found.drivers.iter().map(line).collect()
+    let road = "No rate or count of this page is a probability on the road.".into();
+    found.drivers.iter().map(line).chain([road]).collect()
 }
 
 /// The distinct failures with their causes.
@@ -95,7 +97,7 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
     let mut lead = vec![
         format!(
             "Listed failures that count against a driver: {faults} (the worst of each start, at most 100 a driver). Those of built-in drivers were repeated with as few commands of the pedestrian as 600 runs find; \
-             those of a driver that become the same are one finding, named after the worst: {} below. A cause was tried: the failure ran again with one thing changed. Of failures of programs the {} worst of different kinds were asked, with at most {} runs each.",
+             those of a driver that become the same are one finding, named after the worst: {} below. A cause is that of the failure named, as it was recorded: it ran again with one thing changed. Of failures of programs the {} worst of different kinds were asked, with at most {} runs each.",
             shown.len(),
             MAX_OF_PROGRAMS,
             MAX_RUNS_OF_PROGRAM

@@ -26,7 +26,7 @@ pub fn dossier(found: &Findings<'_>, made: &[Section], manifest: &Manifest, seed
         coverage::coverage(found),
         coverage::worlds(found),
         tick_error::tick_error(found, seed),
-        scope::models(),
+        scope::models(found, &shown),
         provenance::provenance(manifest),
     ];
     let body = html! {

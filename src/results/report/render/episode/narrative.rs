@@ -1,8 +1,8 @@
-use crate::failure::{part_of, unit_of};
 use world::av::DrivingMode;
+use world::cause::violated_part;
 use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
 use world::judge::{ContactSide, Judged, JudgedDegree, Label, NoVerdict, Reference, Verdict, ViolationVerdict};
-use world::requirement::{Degree, NamedRequirement};
+use world::requirement::NamedRequirement;
 
 /// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
 const LASTING: usize = 3;
@@ -161,17 +161,6 @@ fn blame(named: &NamedRequirement, verdict: Option<ViolationVerdict>) -> String 
             None => "no verdict".into(),
         },
     }
-}
-
-/// By how much a requirement is violated, and which comparison decides: ` by 0.31 m/s: `ego_speed < 3 m/s``.
-fn violated_part(named: &NamedRequirement, degree: &Degree) -> String {
-    let by = match degree.robustness.is_finite() && degree.robustness != 0.0 {
-        true => format!(" by {:.2} {}", -degree.robustness, unit_of(named)).trim_end().to_string(),
-        false => String::new(),
-    };
-    let scaled = if named.requirement.is_scaled() && !by.is_empty() { " (scaled)" } else { "" };
-    let part = part_of(named, degree).map_or(String::new(), |part| format!("; `{part}` decides"));
-    format!("{by}{scaled}{part}")
 }
 
 fn start(first: &Frame, pair: &Pair<'_>) -> String {

@@ -25,7 +25,7 @@ pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {
         depth: Depth::Summary,
         tables: vec![Table { head, rows: shown, ..Table::default() }],
         notes: vec![format!(
-            "The first {MAX_SHRUNK} failures, shrunk to as few commands of the pedestrian as 600 runs find, if driver and simulator are built in; those that shrink to one kind are one row. \
+            "The first {MAX_SHRUNK} failures, shrunk to as few commands of the pedestrian as 600 runs find, if driver and simulator are built in; those that shrink to one kind are one row. Its cause is that of the first as it was recorded. \
              `falsify failures REPORT --distinct --why` does so with all."
         )],
         ..Section::default()

@@ -1,0 +1,27 @@
+use crate::requirement::{Degree, NamedRequirement};
+use base::units::Dimension;
+
+/// The unit of a requirement's robustness, in SI; empty if it is scaled, and of plain numbers.
+pub fn unit_of(named: &NamedRequirement) -> &'static str {
+    match named.requirement.dimension() {
+        Some(Dimension::ANGLE) => "rad",
+        Some(dimension) => dimension.usual_units().first().copied().unwrap_or_default(),
+        None => "",
+    }
+}
+
+/// The comparison that decides a degree of a requirement, as the scenario writes it.
+pub fn part_of<'a>(named: &'a NamedRequirement, degree: &Degree) -> Option<&'a str> {
+    Some(&named.requirement.parts.get(usize::from(degree.part?))?.text)
+}
+
+/// By how much a requirement is violated, and which comparison decides: ` by 0.31 m/s; `ego_speed < 3 m/s` decides`. Empty if neither is known.
+pub fn violated_part(named: &NamedRequirement, degree: &Degree) -> String {
+    let by = match degree.robustness.is_finite() && degree.robustness != 0.0 {
+        true => format!(" by {:.2} {}", -degree.robustness, unit_of(named)).trim_end().to_string(),
+        false => String::new(),
+    };
+    let scaled = if named.requirement.is_scaled() && !by.is_empty() { " (scaled)" } else { "" };
+    let part = part_of(named, degree).map_or(String::new(), |part| format!("; `{part}` decides"));
+    format!("{by}{scaled}{part}")
+}
