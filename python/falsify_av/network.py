@@ -97,7 +97,7 @@ class Walker:
         shared = core.pedestrians > 1 and self._network.width == 2
         reason, difference = core.unfit(self._network.properties, self._width, shared)
         if reason:
-            raise ValueError(f"the network cannot walk in this scenario: {reason}; give its campaign the `body` of its training")
+            raise ValueError(f"the network cannot walk in this scenario: {reason}; give its campaign the `body` of its training: `pursuer` for `hunter`, `child_pursuer` for `hunter_child` of std/pedestrians.scn")
         if difference:
             warnings.warn(f"the network was trained otherwise: {difference}", stacklevel=3)
         self._agents = core.pedestrians if shared else 1

@@ -482,7 +482,7 @@ impl<'a> Storyboard<'a> {
 
 fn performance(xml: &mut Xml, blueprint: &VehicleBlueprint) {
     let forward = blueprint.throttle.iter().map(|line| line.at_rest).fold(0.0, f64::max);
-    let numbers = [MAX_SPEED, forward, blueprint.full_brake * blueprint.low_speed_braking.max(1.0)];
+    let numbers = [MAX_SPEED, forward, blueprint.full_brake];
     let [speed, acceleration, deceleration] = numbers.map(Short);
     xml.empty(
         "Performance",

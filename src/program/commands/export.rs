@@ -167,7 +167,7 @@ pub fn export(options: &ExportArgs) -> Ended {
     }
     let variant = Variant { ego: options.ego.unwrap_or(exporter.usual_ego()), walking: options.pedestrians };
     let session = session(options.repeat.allow_external);
-    let (mut code, mut open) = (ExitCode::Done, None);
+    let (mut code, mut open, mut written) = (ExitCode::Done, None, false);
     for episode in resolved(&options.names)? {
         if session.stop.is_asked() {
             break;
@@ -178,9 +178,13 @@ pub fn export(options: &ExportArgs) -> Ended {
             Ok(files) => {
                 let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
                 console::say(&format!("{}  {}", episode.name, files.join("  ")));
+                written = true;
             }
             Err(error) => code = code.or(failed(error)),
         }
+    }
+    if written {
+        console::note(console::wrapped(&format!("approximated: {}", exporter.approximates())).trim_end());
     }
     Ok(code)
 }

@@ -49,6 +49,12 @@ impl Checked {
     pub fn errors(&self) -> usize {
         self.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count()
     }
+
+    fn into_planned(self) -> Result<Planned, Error> {
+        self.plan()?;
+        let plan = self.compiled.plan.expect("the files have no errors");
+        Ok(Planned { plan, records: self.records, contents: self.contents })
+    }
 }
 
 impl Session {
@@ -65,16 +71,18 @@ impl Session {
     /// # Errors
     /// [`Error::Unreadable`], [`Error::Scenario`] and [`Error::UnusedMap`].
     pub fn plan(&self, input: &Input) -> Result<Planned, Error> {
-        self.plan_from(&self.catalog, self.reader.as_ref(), input)
+        let checked = self.compile(&self.catalog, self.reader.as_ref(), input, input.overrides())?;
+        self.tell(Event::Diagnostics(&checked.compiled.diagnostics, &checked.sources));
+        checked.into_planned()
     }
 
-    /// [`Session::plan`] with the files of a reader.
-    pub(crate) fn plan_from(&self, catalog: &Catalog, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
+    /// [`Session::plan`] with the files of a report, whose warnings its run has said: the observer gets the diagnostics only if one is an error.
+    pub(crate) fn plan_again(&self, catalog: &Catalog, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
         let checked = self.compile(catalog, reader, input, input.overrides())?;
-        self.tell(Event::Diagnostics(&checked.compiled.diagnostics, &checked.sources));
-        checked.plan()?;
-        let plan = checked.compiled.plan.expect("the files have no errors");
-        Ok(Planned { plan, records: checked.records, contents: checked.contents })
+        if checked.plan().is_err() {
+            self.tell(Event::Diagnostics(&checked.compiled.diagnostics, &checked.sources));
+        }
+        checked.into_planned()
     }
 
     fn compile(

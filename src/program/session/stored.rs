@@ -175,7 +175,7 @@ impl Session {
             Some(opener) => catalog.with_opener(opener.clone()),
             None => catalog,
         };
-        let planned = self.plan_from(&catalog, &held, &input)?;
+        let planned = self.plan_again(&catalog, &held, &input)?;
         let changes = changes(manifest, &planned.records, root.as_deref());
         let mut campaigns = planned.plan.campaigns.into_iter();
         let campaign = campaigns.find(|campaign| campaign.name == manifest.campaign);

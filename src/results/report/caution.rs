@@ -51,10 +51,10 @@ impl fmt::Display for Caution {
 
 /// All of them: of drivers, of towns, of searches.
 pub fn cautions(cells: &[Cell], results: &[SearchResult], searches: &[SearchCell]) -> Vec<Caution> {
-    // Episodes that are left out fitted into the budget; why they are is said of the driver.
+    // Episodes that are left out fitted into the budget; why they are is said of the driver. So is why a search ended early.
     let is_lost = |search: &SearchCell| {
         let mut own = results.iter().filter(|result| result.key.is_of_same_cell(&search.key));
-        own.any(|result| result.spent.left_out > 0)
+        own.any(|result| result.spent.left_out > 0 || result.error.is_some())
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
     let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget });

@@ -84,13 +84,25 @@ impl<'a> Pooled<'a> {
         let own = name(self);
         match all.iter().filter(|each| name(each) == own).count() {
             1 => own.2,
-            _ => format!("{} ({})", own.2, self.rows[0].block_in_words()),
+            _ => {
+                let seed = self.rows[0].values[self.seed].as_deref().unwrap_or_default();
+                format!("{} ({})", own.2, self.rows[0].block_in_words().replacen(&format!("-seed-{seed}"), "", 1))
+            }
         }
     }
 
     /// A figure over the seeds, with Student's interval from four on.
     pub fn figure(&self, figure: &FigureOf) -> Rate {
         Rate::student(self.runs().iter().map(|row| of_row(row, figure)), 1.0)
+    }
+
+    /// The number of episodes of its controller over the seeds; `None` for a search.
+    pub fn episodes(&self) -> Option<u32> {
+        let episodes = |row: &&OverviewRow<'_>| match row.found {
+            Found::Evaluated(cell) => Some(cell.episodes),
+            Found::Searched(_) => None,
+        };
+        self.runs().iter().map(episodes).sum()
     }
 
     /// The rows that are runs of their own: fixed cases that end alike at every seed are one.

@@ -257,7 +257,7 @@ impl Reason {
     pub fn advice(&self) -> &'static str {
         match self {
             Self::Below { .. } | Self::NotAbove { .. } => {
-                "train for more `steps`, guide learning with a `potential`, or spawn the pedestrian where collisions are easier"
+                "train for more `steps`, evaluate more `episodes`, guide learning with a `potential`, or spawn the pedestrian where collisions are easier"
             }
             Self::Disagree { .. } => "train for more `steps`, and more `runs` to see which result is usual",
         }
@@ -272,7 +272,7 @@ impl fmt::Display for Doubt {
         };
         let named = |controller: &str| match controller {
             UNTRAINED => "the untrained network".to_string(),
-            other => format!("the untrained `{other}`"),
+            other => format!("`{other}`"),
         };
         write!(f, "{}: ", self.key)?;
         match &self.reason {
@@ -284,7 +284,7 @@ impl fmt::Display for Doubt {
             ),
             Reason::NotAbove { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "no sign of learning in {count} of {of} trainings: rewards of {} an episode, and {reward:.3} of {}",
+                "no sign of learning in {count} of {of} trainings: rewards of {} an episode, which chance explains beside {reward:.3} of {}",
                 listed(rewards),
                 named(controller)
             ),

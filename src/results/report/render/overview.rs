@@ -101,7 +101,11 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
         let mut row = words(pooled);
         for figure in &FIGURES {
             let rate = pooled.figure(figure);
-            row.extend([over_seeds(&rate, false), Value::Number(rate.sd, 3)]);
+            let mean = match (rate.value, pooled.episodes()) {
+                (Some(0.0), Some(episodes)) => Value::Of(0, episodes.into()),
+                _ => over_seeds(&rate, false),
+            };
+            row.extend([mean, Value::Number(rate.sd, 3)]);
         }
         row
     };

@@ -153,7 +153,7 @@ fn share_of(share: f64, blind: Option<&str>) -> Markup {
     html! {
         b {
             (format!("{share:.2}")) " of "
-            @match blind { Some(name) => { (name) "’s" }, None => "the worst driver’s" }
+            @match blind { Some(name) => { (name) "’s there" }, None => "the worst driver’s there" }
         }
     }
 }

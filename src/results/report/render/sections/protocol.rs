@@ -6,8 +6,8 @@ use crate::report::{Colour, Findings, ProtocolCell, score};
 use world::env::TestCriterion;
 
 /// How to read the tables.
-const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0: no collision. Along the path it is the speed \
-     of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h, with the speed that it drove (km/h), `–` a case that was not run. A test is over when the car has \
+const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column, or without a collision a word alone. Along the path it is the speed \
+     of the car less that of the target. *Not tested* is a cell whose test speed the driver did not hold within 1 km/h, with the speed that it drove (km/h), `–` a case that was not run. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), a cell without \
      points is not passed, and a row with a case that was not run has no score. Others pass without a collision, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
@@ -15,11 +15,11 @@ const READING: &str = "A cell is the impact speed (km/h) at the test speed of it
      share: \"0 of 20: at most 14 %\". Episodes that are equal to the bit are one.";
 /// Shown below the tables in a terminal.
 const LEGEND: [&str; 2] = [
-    "cells: impact speed (km/h), 0: no collision; ! 43: it drove 43 km/h, which is not the test speed; –: not run",
+    "cells: impact speed (km/h) of a collision; not tested: it did not hold the test speed, but drove this; –: not run",
     "passed: cells with points, or below the limit; a driver can pass a cell with a collision",
 ];
 /// Why colours, passes and verdicts differ.
-const JUDGES: &str = "A number is the impact speed in km/h. *Passed* counts the cells that get points: green has all of them, brown still a quarter, red none. \
+const JUDGES: &str = "*Passed* counts the cells that get points: green has all of them, brown still a quarter, red none. \
      So a driver can pass a cell with a collision. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
      careful humans would have avoided the collision. So a red cell can be *contested*: some reference drivers avoid it and some do not.";
 /// What a test does not say.
@@ -335,18 +335,17 @@ fn played(cell: &ProtocolCell) -> Value {
     }
 }
 
-/// `0 green`, `23.4 red !`, `5.0 fails`.
+/// `green`, `23.4 red`, `5.0 fails`, or that the test speed was not held.
 fn shown(cell: &ProtocolCell) -> Value {
     let (Some(impact), Some(passes)) = (cell.impact_speed, cell.passes()) else {
         // Without any episode it was not tried, as in a run with `--smoke`.
         return if cell.failed { "error" } else { "–" }.into();
     };
-    let speed = if impact > 0.0 { format!("{:.1}", impact * 3.6) } else { "0".into() };
-    let mark = match cell.driven_speed {
-        Some(driven) if cell.is_held() == Some(false) => format!(" ! {:.0}", driven * 3.6),
-        _ => String::new(),
-    };
+    if let Some(driven) = cell.driven_speed.filter(|_| cell.is_held() == Some(false)) {
+        return Value::Warning(format!("not tested: {:.0} km/h", driven * 3.6));
+    }
     let word = cell.colour().map_or(if passes { "passes" } else { "fails" }, Colour::name);
     let tone = cell.colour().unwrap_or(if passes { Colour::Green } else { Colour::Red });
-    Value::Toned(format!("{speed} {word}{mark}"), tone.name())
+    let speed = if impact > 0.0 { format!("{:.1} ", impact * 3.6) } else { String::new() };
+    Value::Toned(format!("{speed}{word}"), tone.name())
 }

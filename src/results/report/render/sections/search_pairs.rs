@@ -82,10 +82,12 @@ pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
     let figures = [(starts, "fails from more starts than"), (faults, "finds faults from more starts than")];
     let told: Vec<String> = figures.iter().flat_map(|(figure, does)| winners(&pairs, figure, does)).collect();
     Some(if told.is_empty() {
-        format!("In pairs, no search finds more than another one beyond chance ({runs} runs): call it a tie.")
+        format!(
+            "In pairs, no search is shown to find more than another one ({runs} runs); the table `comparisons` has the intervals."
+        )
     } else {
         format!(
-            "In pairs, beyond chance (p < 0.05, {runs} runs): {}. All else may be chance; the table `comparisons` has each pair.",
+            "In pairs, beyond chance (p < 0.05, {runs} runs): {}. The table `comparisons` has each pair and each figure.",
             told.join("; ")
         )
     })
@@ -123,7 +125,7 @@ mod tests {
         assert!(
             told(&[clear, unclear.clone()]).contains("`meet` fails from more starts than `chance` in 1 of 2 places.")
         );
-        assert!(told(&[unclear]).contains("call it a tie"));
+        assert!(told(&[unclear]).contains("no search is shown to find more"));
         assert!(told(&[of("a", [chance, meet], &[9.0], 0.01)]).contains("One run"));
         assert_eq!(findings_of_pairs(&[]), None);
     }

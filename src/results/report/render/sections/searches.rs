@@ -15,7 +15,7 @@ const READING: [&str; 4] = [
      faults those of them that count against the driver; a goal without a verdict has none.",
     "*Pairs:* one search less another one against the same driver, and one driver less another one with the same search, run by run: \
      equal runs have the same starts. p is Student's, after Holm's correction for all pairs of searches, or of drivers, in all towns: in 95 % of \
-     campaigns no p below 0.05 of a column is a false finding. Call it a tie above 0.05.",
+     campaigns no p below 0.05 of a column is a false finding. Above 0.05 no difference is shown; the interval says how large it may be.",
 ];
 
 /// The falsifiers, and which of them find more than another one; `None` without a search.

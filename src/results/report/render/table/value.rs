@@ -52,8 +52,10 @@ impl Value {
     /// A rate with its interval; the number of `whole` episodes and the upper end of the interval if the rate is too small for two digits.
     pub fn rate(rate: &Rate, part: u32, whole: u32) -> Self {
         if let (Some(..RARE), Some((_, high))) = (rate.value, rate.interval) {
-            let digits = if high < 0.01 { 4 } else { 2 };
-            return Self::Text(format!("{part} of {whole} (below {high:.digits$})"));
+            // Rounded up: it is a bound.
+            let (digits, steps) = if high < 0.01 { (4, 1e4) } else { (2, 1e2) };
+            let bound = (high * steps).ceil() / steps;
+            return Self::Text(format!("{part} of {whole} (below {bound:.digits$})"));
         }
         Self::or_count(Self::Estimate(rate.value, rate.interval, 2), rate.value, part, whole)
     }
