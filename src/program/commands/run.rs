@@ -254,7 +254,11 @@ impl Observer for RunReporter {
                     console::say(&format!("{name}, shard {index} of {count}: {said}"));
                 }
             }
-            Event::Ended(CampaignOutcome::Empty { .. }) => console::fail("nothing was finished, so there is no report"),
+            Event::Ended(CampaignOutcome::Empty { interrupted, .. }) => console::fail(if *interrupted {
+                "nothing was finished, so there is no report yet; the same command goes on from here"
+            } else {
+                "nothing was finished, so there is no report"
+            }),
             Event::Ended(CampaignOutcome::Reported(report)) => self.reported(report),
         }
     }

@@ -42,7 +42,7 @@ pub enum RecordingFileError {
     Long { line: usize },
     #[error("line {line}, column `{column}`: `{text}` is not a number")]
     Number { line: usize, column: &'static str, text: String },
-    #[error("line {line}: the time is {time} s, {}; the others are {step} s apart. Give rows at a constant step", since(*.found))]
+    #[error("line {line}: the time is {time} s, {}; the others are {step} s apart. Give rows at a constant step (within {} % of it): interpolate the positions to one", since(*.found), UNEVEN * 100.0)]
     Uneven { line: usize, time: f64, found: f64, step: f64 },
     #[error("line {line}: `pedestrian_speed_mps` is {speed}; it is a speed in the direction of motion, 0 or more")]
     Backwards { line: usize, speed: f64 },

@@ -15,6 +15,9 @@ pub enum Caveat {
         /// The same of the second.
         after: (String, String),
     },
+    /// Both sides are the same runs.
+    #[error("both sides are the same runs of one report, which show nothing")]
+    Same,
     /// The seeds differ.
     #[error("the seeds are {before} and {after}")]
     Seed {

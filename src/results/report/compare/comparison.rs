@@ -94,6 +94,12 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         other => other?,
     };
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
+    let side = |side: &Side<'_>| {
+        (side.report.folder().to_path_buf(), side.driver.map(String::from), side.world.map(String::from))
+    };
+    if side(&before) == side(&after) {
+        notes.push(Caveat::Same);
+    }
     let failures = [before.report.failures()?, after.report.failures()?];
     let collided = failures.each_ref().map(|all| collisions(all));
     let violated = [violations(before, &failures[0])?, violations(after, &failures[1])?];

@@ -32,12 +32,6 @@ pub enum Incomparable {
         /// Those that it has.
         known: Vec<String>,
     },
-    /// Both sides are the same runs.
-    #[error("both sides are the same runs of `{}`; give another report, or compare two drivers with `--drivers`", report.display())]
-    Same {
-        /// The folder of the report.
-        report: PathBuf,
-    },
     /// A report has searches alone, and none that belongs to one of the other.
     #[error(
         "nothing can be compared: `{}` has no evaluated episodes, and none of its searches has the method, town, budget, run and seed of one of the other report",
@@ -76,9 +70,6 @@ pub(super) struct Matched<T> {
 /// Finds the runs of both sides that belong together.
 pub(super) fn matched(before: Side<'_>, after: Side<'_>) -> Result<Matched<StoredRun>, Incomparable> {
     let one_report = before.report.folder() == after.report.folder();
-    if one_report && (before.driver, before.world) == (after.driver, after.world) {
-        return Err(Incomparable::Same { report: before.report.folder().to_path_buf() });
-    }
     let (first, second) = (before.runs()?, after.runs()?);
     if let Some((side, _)) = [(before, &first), (after, &second)].into_iter().find(|(_, runs)| runs.is_empty()) {
         return Err(Incomparable::NoEpisode { report: side.report.folder().to_path_buf() });

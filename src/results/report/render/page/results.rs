@@ -178,9 +178,11 @@ impl Axis {
         ends: Option<(f64, f64)>,
         published: Option<&PublishedComparison<'_>>,
     ) -> Markup {
-        let (low, high) = rate.interval.unwrap_or((0.0, 1.0));
         let runs = &rate.by_run;
-        let says = rate.value.map(|mean| format!("{}, interval {} to {}", percent(mean), percent(low), percent(high)));
+        let within = rate.interval.map_or("without an interval".into(), |(low, high)| {
+            format!("interval {} to {}", percent(low), percent(high))
+        });
+        let says = rate.value.map(|mean| format!("{}, {within}", percent(mean)));
         let (middle, at) = (SIZE.1 / 2.0, |rate| self.at(rate));
         html! {
             svg.panel width=(SIZE.0) height=(SIZE.1) viewBox={ "0 0 " (SIZE.0) " " (SIZE.1) } role="img"
@@ -191,7 +193,9 @@ impl Axis {
                     @if let Some((best, top)) = ends {
                         path.axis d={ "M" (px(at(best))) " 2.5H" (px(at(top))) "M" (px(at(top))) " 0v5" } {}
                     }
-                    rect class=(colour) opacity=".32" x=(px(at(low))) y=(px(middle - 4.5)) width=(px(at(high) - at(low))) height="9" rx="2" {}
+                    @if let Some((low, high)) = rate.interval {
+                        rect class=(colour) opacity=".32" x=(px(at(low))) y=(px(middle - 4.5)) width=(px(at(high) - at(low))) height="9" rx="2" {}
+                    }
                     @if runs.len() > 1 {
                         @for rate in runs { circle class=(colour) cx=(px(at(*rate))) cy=(px(middle + 9.0)) r="1.6" opacity=".75" {} }
                     }
