@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_537),
-    ("src/learn", 5_595),
-    ("src/world", 38_422),
+    ("src/learn", 5_613),
+    ("src/world", 38_568),
     ("src/ported", 4_642),
     ("src/lang", 6_542),
     ("src/compile", 8_352),
     ("src/process", 876),
     ("src/export", 3_824),
-    ("src/results", 26_634),
-    ("src/program", 12_960),
-    ("tests", 29_807),
+    ("src/results", 26_870),
+    ("src/program", 13_019),
+    ("tests", 29_957),
 ];
 
 /// Crates that only some places may name.

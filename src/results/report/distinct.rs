@@ -74,7 +74,7 @@ pub fn distinct_failures(
     });
     let firsts = first_of_each(classed);
     let mut kinds = Vec::new();
-    let is_asked = |(place, ((failure, _), _)): (usize, &((&Failure, Option<(Incident, Shrunk)>), usize))| {
+    let mut is_asked = |place: usize, failure: &Failure| {
         if !is_of_program(found, failure) {
             return place < max_explained;
         }
@@ -83,7 +83,8 @@ pub fn distinct_failures(
         kinds.extend(is_new.then_some(kind));
         is_new
     };
-    let asked: Vec<bool> = firsts.iter().enumerate().map(is_asked).collect();
+    let asked: Vec<bool> =
+        firsts.iter().enumerate().map(|(place, ((failure, _), _))| is_asked(place, failure)).collect();
     let each: Vec<_> = firsts.into_iter().zip(asked).collect();
     let causes = parallel::map(&each, |(((failure, repeated), _), is_asked)| match repeated {
         _ if !is_asked => None,
