@@ -94,10 +94,8 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         other => other?,
     };
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
-    let side = |side: &Side<'_>| {
-        (side.report.folder().to_path_buf(), side.driver.map(String::from), side.world.map(String::from))
-    };
-    if side(&before) == side(&after) {
+    let is_one_report = before.report.folder() == after.report.folder();
+    if is_one_report && (before.driver, before.world) == (after.driver, after.world) {
         notes.push(Caveat::Same);
     }
     let failures = [before.report.failures()?, after.report.failures()?];
