@@ -39,7 +39,7 @@ impl NearMiss {
         Self { min_ttc: bodies.least_time(pair.frames()), pet: ticks.map(|ticks| ticks as f64 * pair.dt()) }
     }
 
-    /// The time to collision (s) at the last tick, if it is less than [`AHEAD`].
+    /// The time to collision (s) at the last tick, if it is less than three seconds.
     pub fn of_last(pair: &Pair<'_>) -> Option<f64> {
         let half = Vector::new(pair.blueprint.half_length, pair.blueprint.half_width);
         Bodies { half, radius: pair.body.radius }.least_time(pair.last().into_iter()).filter(|time| *time < AHEAD)
