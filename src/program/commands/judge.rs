@@ -116,9 +116,8 @@ fn say_wrapped(text: &str) {
 /// Prints the result for people.
 fn tell(found: &Encountered, recording: &Recording) {
     let near = &found.near_miss;
-    if recording.dt() > 0.101 {
-        let step = recording.dt();
-        console::say(&format!("rows are {step} s apart: the motion between two of them is interpolated"));
+    if recording.parts() > 1 {
+        console::say(&format!("rows are {:.2} s apart: the motion between them is interpolated", recording.dt()));
     }
     if let [first, rest @ ..] = &found.ignored[..] {
         let others = if rest.is_empty() { String::new() } else { format!(" and in {} others", rest.len()) };

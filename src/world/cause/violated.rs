@@ -17,10 +17,8 @@ pub fn part_of<'a>(named: &'a NamedRequirement, degree: &Degree) -> Option<&'a s
 
 /// By how much a requirement is violated, and which comparison decides: ` by 0.31 m/s; `ego_speed < 3 m/s` decides`. Empty if neither is known.
 pub fn violated_part(named: &NamedRequirement, degree: &Degree) -> String {
-    let by = match degree.robustness.is_finite() && degree.robustness != 0.0 {
-        true => format!(" by {:.2} {}", -degree.robustness, unit_of(named)).trim_end().to_string(),
-        false => String::new(),
-    };
+    let known = Some(-degree.robustness).filter(|by| by.is_finite() && *by != 0.0);
+    let by = known.map_or(String::new(), |by| format!(" by {by:.2} {}", unit_of(named)).trim_end().to_string());
     let scaled = if named.requirement.is_scaled() && !by.is_empty() { " (scaled)" } else { "" };
     let part = part_of(named, degree).map_or(String::new(), |part| format!("; `{part}` decides"));
     format!("{by}{scaled}{part}")

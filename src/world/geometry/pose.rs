@@ -26,6 +26,12 @@ impl Pose {
         Self { x, y, yaw: wrap_angle(yaw) }
     }
 
+    /// The pose at a share of the way to another: on a line, turning the shorter way.
+    pub fn between(&self, next: &Self, share: f64) -> Self {
+        let place = self.position() + (next.position() - self.position()) * share;
+        Self::new(place.x, place.y, self.yaw + wrap_angle(next.yaw - self.yaw) * share)
+    }
+
     /// The place without the heading.
     pub fn position(&self) -> Point {
         Point::new(self.x, self.y)

@@ -10,7 +10,7 @@
 //! # Source
 //! Mirtich, *Impulse-based dynamic simulation of rigid body systems*, PhD thesis, Berkeley 1996, section 2.3.
 
-use super::{OrientedBox, Point, Pose, Vector, wrap_angle};
+use super::{OrientedBox, Point, Vector, wrap_angle};
 
 /// A touch within a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,9 +75,7 @@ pub fn first_touch_of_boxes(
 
 /// A moving box at a share of its motion.
 fn between(from: &OrientedBox, to: &OrientedBox, share: f64) -> OrientedBox {
-    let place = from.pose.position() + (to.pose.position() - from.pose.position()) * share;
-    let yaw = from.pose.yaw + wrap_angle(to.pose.yaw - from.pose.yaw) * share;
-    OrientedBox { pose: Pose::new(place.x, place.y, yaw), half: from.half }
+    OrientedBox { pose: from.pose.between(&to.pose, share), half: from.half }
 }
 
 /// Finds the time (s) after which a disc touches a box. Position (m) and constant velocity (m/s) of the disc are in the frame of the box.
@@ -137,7 +135,7 @@ fn enter_circle(start: Vector, motion: Vector, radius: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Pose, *};
     use proptest::prelude::*;
 
     #[test]

@@ -4,8 +4,6 @@ use crate::geometry::{Vector, time_to_touch};
 
 /// The longest time to collision (s) that counts.
 const HORIZON: f64 = 10.0;
-/// A recording that ends with a shorter time to collision (s) ends too early.
-const AHEAD: f64 = 3.0;
 /// Number of footprints in a block that is tested as a whole.
 const BLOCK: usize = 16;
 
@@ -42,7 +40,7 @@ impl NearMiss {
     /// The time to collision (s) at the last tick, if it is less than three seconds.
     pub fn of_last(pair: &Pair<'_>) -> Option<f64> {
         let half = Vector::new(pair.blueprint.half_length, pair.blueprint.half_width);
-        Bodies { half, radius: pair.body.radius }.least_time(pair.last().into_iter()).filter(|time| *time < AHEAD)
+        Bodies { half, radius: pair.body.radius }.least_time(pair.last().into_iter()).filter(|time| *time < 3.0)
     }
 }
 

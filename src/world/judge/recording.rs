@@ -338,6 +338,11 @@ impl Recording {
         self.dt
     }
 
+    /// The number of ticks of a verdict between two instants: above 1, states are put between them.
+    pub fn parts(&self) -> usize {
+        (self.dt / TICK - 1e-6).ceil().max(1.0) as usize
+    }
+
     /// The line of an instant in its file; `None` without a file.
     pub fn line(&self, instant: usize) -> Option<usize> {
         self.lines.get(instant).copied()
@@ -458,7 +463,7 @@ impl Recording {
         if let Some((step, contact)) = first.and_then(|_| touched(&ego, &walking)) {
             (instants, touch) = (step + 2, Some((step, contact)));
         }
-        let parts = touch.map_or(1, |_| (self.dt / TICK - 1e-6).ceil().max(1.0) as usize);
+        let parts = touch.map_or(1, |_| self.parts());
         if parts > 1 {
             (ego, walking) = (refined(&ego[..instants], parts), refined(&walking[..instants], parts));
             // That of the noisy tracks, if these miss each other.
@@ -494,18 +499,13 @@ trait Between: Clone {
 impl Between for VehicleState {
     fn between(&self, next: &Self, share: f64) -> Self {
         let speed = self.speed + (next.speed - self.speed) * share;
-        Self { pose: pose_between(self.pose, next.pose, share), speed, ..*self }
+        Self { pose: self.pose.between(&next.pose, share), speed, ..*self }
     }
 }
 
 impl Between for PedestrianState {
     fn between(&self, next: &Self, share: f64) -> Self {
         let velocity = self.velocity + (next.velocity - self.velocity) * share;
-        Self { pose: pose_between(self.pose, next.pose, share), velocity }
+        Self { pose: self.pose.between(&next.pose, share), velocity }
     }
-}
-
-fn pose_between(from: Pose, to: Pose, share: f64) -> Pose {
-    let place = from.position() + (to.position() - from.position()) * share;
-    Pose::new(place.x, place.y, from.yaw + wrap_angle(to.yaw - from.yaw) * share)
 }

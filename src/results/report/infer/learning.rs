@@ -284,7 +284,7 @@ impl fmt::Display for Doubt {
             ),
             Reason::NotAbove { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "no sign of learning in {count} of {of} trainings: rewards of {} an episode, which chance explains beside {reward:.3} of {}",
+                "no sign of learning in {count} of {of} trainings: rewards of {} an episode, not beyond chance above the {reward:.3} of {}",
                 listed(rewards),
                 named(controller)
             ),
