@@ -208,28 +208,28 @@ impl<'a> Episode<'a> {
         format!("{} ({}), digest {:016x}: {end}{verdict}{cause}", self.name, self.title, self.outcome.digest)
     }
 
-    /// The first tick at which the ego's box overlaps a box with these half extents (m) around the middle of its pedestrian: the touch as
-    /// programs see it that know boxes only.
-    pub(super) fn touch_of_boxes(&self, half: Vector) -> Option<usize> {
-        let actors = self.actors();
-        let (ego, pedestrian) = (&actors[0], &actors[self.main_pedestrian()]);
-        let outline = |motion: &Motion| OrientedBox { pose: motion.pose, half };
+    /// The first tick at which the ego's box overlaps a box of this size (m) around the middle of a pedestrian, given by its place among the
+    /// actors: the touch as programs see it that know boxes only.
+    pub(super) fn touch_of_boxes(actors: &[Actor], place: usize, [length, width, _]: [f64; 3]) -> Option<usize> {
+        let (ego, pedestrian) = (&actors[0], &actors[place]);
+        let outline = |motion: &Motion| OrientedBox::new(motion.pose, length / 2.0, width / 2.0);
         let mut ticks = ego.track.iter().zip(&pedestrian.track);
         ticks.position(|(ego_at, pedestrian_at)| ego.outline(ego_at).overlaps(&outline(pedestrian_at)))
     }
 
-    /// Half extents (m) of the box that represents the ego's pedestrian in programs that know boxes only. A target that is a box has its own.
+    /// Length, width and height (m) of the box that represents an actor, given by its place, in programs that know boxes only.
     ///
     /// For a disc it is the square around it, whose corners touch at most 0.21 diameters before the disc does. A pedestrian that passes the
-    /// car closely may graze it with a corner much earlier; then it is the largest square that does not.
-    pub(super) fn box_of_pedestrian(&self) -> Vector {
-        let pedestrian = self.main_pedestrian() - self.scenario.cast.vehicles.len();
-        let body = self.scenario.cast.pedestrians[pedestrian].body;
+    /// ego closely may graze it with a corner much earlier; then it is the largest square that does not.
+    pub(super) fn box_of(&self, actors: &[Actor], place: usize) -> [f64; 3] {
+        let [length, width, height] = actors[place].size();
+        let scaled = |share: f64| [length * share, width * share, height];
         let hit = self.outcome.is_collision();
-        let too_early =
-            |share: f64| self.touch_of_boxes(body.half() * share).is_some_and(|tick| !hit || tick + 1 < self.ticks());
-        if body.target_box.is_some() || !too_early(1.0) {
-            return body.half();
+        let touch = |share: f64| Self::touch_of_boxes(actors, place, scaled(share));
+        let too_early = |share: f64| touch(share).is_some_and(|tick| !hit || tick + 1 < self.ticks());
+        let disc = matches!(actors[place].shape, Shape::Pedestrian(body) if body.target_box.is_none());
+        if !disc || !too_early(1.0) {
+            return scaled(1.0);
         }
         // The square within the disc never touches first.
         let (mut low, mut high) = (std::f64::consts::FRAC_1_SQRT_2, 1.0);
@@ -241,8 +241,9 @@ impl<'a> Episode<'a> {
                 low = middle;
             }
         }
-        let smaller = body.half() * low * GRAZE;
-        if self.touch_of_boxes(smaller).is_some() == hit { smaller } else { body.half() }
+        // That of the verdict touches.
+        let touches = hit && place == self.main_pedestrian();
+        scaled(if touches && touch(low * GRAZE).is_none() { 1.0 } else { low * GRAZE })
     }
 }
 

@@ -12,7 +12,6 @@ use std::collections::BTreeSet;
 use super::episode::{Actor, Motion, Shape};
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
-use world::geometry::Vector;
 use world::sim::{ActorId, LightColour, VehicleBlueprint};
 
 /// A version of the standard.
@@ -93,8 +92,8 @@ struct Storyboard<'a> {
     actors: Vec<Actor<'a>>,
     /// The place of the pedestrian of the verdict among the actors.
     pedestrian: usize,
-    /// Length and width of its box (m).
-    box_of_pedestrian: [f64; 2],
+    /// Length, width and height of the box of each actor (m).
+    sizes: Vec<[f64; 3]>,
     /// The first tick of the pedestrians' trajectories, and the distance of the ego at which they start (m).
     release: Option<(usize, f64)>,
     /// The lights for an ego of the user.
@@ -111,17 +110,17 @@ impl<'a> Storyboard<'a> {
             }
             episode.without_friction(format)?;
         }
-        let pedestrian = episode.main_pedestrian();
-        let half = episode.box_of_pedestrian();
+        let actors = episode.actors();
+        let sizes = (0..actors.len()).map(|place| episode.box_of(&actors, place)).collect();
         let mut storyboard = Self {
             version,
             variant,
             map,
             description: String::new(),
             dt: episode.dt(),
-            actors: episode.actors(),
-            pedestrian,
-            box_of_pedestrian: [2.0 * half.x, 2.0 * half.y],
+            actors,
+            sizes,
+            pedestrian: episode.main_pedestrian(),
             release: None,
             lights: Vec::new(),
         };
@@ -158,22 +157,23 @@ impl<'a> Storyboard<'a> {
         };
         let touch = |tick: usize| format!("{:.2} s", tick as f64 * self.dt);
         let disc = episode.outcome.is_collision().then(|| touch(episode.ticks()));
-        let [length, width] = self.box_of_pedestrian;
-        let half = Vector::new(length / 2.0, width / 2.0);
-        let touches = match (episode.touch_of_boxes(half), disc) {
+        let Actor { name, shape, .. } = &self.actors[self.pedestrian];
+        let touches = match (Episode::touch_of_boxes(&self.actors, self.pedestrian, self.sizes[self.pedestrian]), disc)
+        {
             (Some(boxes), Some(disc)) => {
-                format!(" First overlap: of the boxes at {}, with the disc at {disc}.", touch(boxes))
+                let boxes = touch(boxes);
+                format!(" First overlap of ego and {name}: of the boxes at {boxes}, with the disc at {disc}.")
             }
             (Some(boxes), None) => format!(" The boxes overlap at {} although the disc is not touched.", touch(boxes)),
             _ => String::new(),
         };
-        let [around, ..] = self.actors[self.pedestrian].size();
-        let body = match self.actors[self.pedestrian].shape {
-            Shape::Pedestrian(body) if body.target_box.is_some() => "The pedestrian is a box".to_owned(),
-            _ if length < around => format!(
-                "Approximated: a pedestrian is a disc, and its box a square of {length:.2} m, since a corner of that around it would graze the car earlier"
-            ),
-            _ => "Approximated: a pedestrian is a disc, and its box the square around it".to_owned(),
+        let smaller = self.actors.iter().zip(&self.sizes).any(|(actor, size)| size[0] < actor.size()[0]);
+        let body = match shape {
+            Shape::Pedestrian(body) if body.target_box.is_some() => "The pedestrian is a box",
+            _ if smaller => {
+                "Approximated: a pedestrian is a disc, and its box the square around it, or a smaller one if a corner of that would graze the car earlier"
+            }
+            _ => "Approximated: a pedestrian is a disc, and its box the square around it",
         };
         format!("{}. {ego}{release} {body}.{touches}", episode.summary().trim_end_matches('.'))
     }
@@ -212,7 +212,9 @@ impl<'a> Storyboard<'a> {
                     xml.element("TrafficSignals", &[], |xml| self.signals(xml));
                 }
             });
-            xml.element("Entities", &[], |xml| self.actors.iter().for_each(|actor| self.entity(xml, actor)));
+            xml.element("Entities", &[], |xml| {
+                self.actors.iter().zip(&self.sizes).for_each(|(actor, size)| self.entity(xml, actor, *size));
+            });
             xml.element("Storyboard", &[], |xml| {
                 xml.element("Init", &[], |xml| {
                     xml.element("Actions", &[], |xml| self.actors.iter().for_each(|actor| self.start(xml, actor)));
@@ -256,11 +258,7 @@ impl<'a> Storyboard<'a> {
         }
     }
 
-    fn entity(&self, xml: &mut Xml, actor: &Actor) {
-        let [mut length, mut width, height] = actor.size();
-        if actor.name == self.actors[self.pedestrian].name {
-            [length, width] = self.box_of_pedestrian;
-        }
+    fn entity(&self, xml: &mut Xml, actor: &Actor, [length, width, height]: [f64; 3]) {
         let bounding_box = |xml: &mut Xml, ahead: f64| {
             xml.element("BoundingBox", &[], |xml| {
                 xml.empty("Center", &[("x", &Short(ahead)), ("y", &0), ("z", &Short(height / 2.0))]);

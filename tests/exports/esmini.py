@@ -24,16 +24,18 @@ def replay(esmini, path):
         places = [vertex.find(".//WorldPosition") for vertex in track.iter("Vertex")]
         tracks[track.get("name").removeprefix("track_")] = [(float(p.get("x")), float(p.get("y"))) for p in places]
     header = root.find("FileHeader").get("description")
+    struck = names.index(re.search(r"First overlap of ego and (\w+):", header).group(1))
     boxes = float(re.search(r"of the boxes at ([\d.]+) s", header).group(1))
     disc = float(re.search(r"with the disc at ([\d.]+) s", header).group(1))
     with tempfile.TemporaryDirectory() as folder:
         options = ["--headless", "--collision", "--disable_stdout", "--fixed_timestep", str(TICK)]
-        options += ["--traj_filter", "0.0", "--csv_logger", "out.csv"]
+        options += ["--traj_filter", "0.0", "--pline_interpolation", "segment", "--csv_logger", "out.csv"]
         subprocess.run([esmini, "--osc", str(Path(path).resolve()), *options], cwd=folder, check=True, capture_output=True)
         lines = Path(folder, "out.csv").read_text().splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("Index"))
     head = [name.strip() for name in lines[start].split(",")]
-    collisions = [place for place, name in enumerate(head) if "collision" in name.lower()]
+    # What the ego, object 0, touches; others may touch one another, too.
+    touched = head.index("#1 collision_ids")
     error, touch, compared = 0.0, None, 0
     for line in lines[start + 1 :]:
         values = [value.strip() for value in line.split(",")]
@@ -43,7 +45,8 @@ def replay(esmini, path):
                 x, y = (float(values[head.index(f"#{number} World_Position_{axis} [m]")]) for axis in "XY")
                 error = max(error, math.hypot(x - tracks[name][tick][0], y - tracks[name][tick][1]))
                 compared += 1
-        if touch is None and any(place < len(values) and values[place] for place in collisions):
+        if touch is None and values[touched]:
+            assert str(struck) in values[touched].split(), (path, names[struck], values[touched])
             touch = float(values[1])
     assert compared > 2, (path, "nothing was compared")
     assert touch is not None, (path, "no touch")

@@ -18,7 +18,8 @@ from . import Message, chosen, state
 
 DRIVERS = ("Regulation", "ReferenceDriver", "RSS", "FSM")
 BEHIND = 0.35  # The point that esmini's simple vehicle moves is behind the middle of the wheelbase, by this share of it.
-STRIDE = 25  # m: between waypoints of a route.
+STRIDE = 25  # m: between waypoints of a route, whose points are 1 m apart.
+NO_JUNCTION = 2**32 - 1
 EXACT = 1e-6  # m: of a place that is read back.
 BESIDE, CLOSE = 0.05, 0.02  # m: how far beside a place roads are looked for, unless the lane is this close.
 
@@ -190,39 +191,61 @@ class Esmini:
                 break
         return min(found)[1]
 
+    def waypoints(self, route: list[list[float]]) -> list[list[float]]:
+        """A point in 25 m, and the first after each junction: in a junction roads overlap, and esmini may take another one than that of the route."""
+        points, since = [], STRIDE
+        for point in route:
+            self.report(0, *point)
+            if self.state(0).junction != NO_JUNCTION:
+                since = STRIDE
+                continue
+            if since >= STRIDE:
+                points.append(point)
+                since = 0
+            since += 1
+        return points
+
+    def body(self, name: str) -> str:
+        """A car. The reference point is the middle of its box."""
+        half, axle = self.car["wheelbase"] / 2, 'maxSteering="0.7" wheelDiameter="0.7" trackWidth="1.6" positionZ="0.35"'
+        return (
+            f'<Vehicle name="{name}" vehicleCategory="car">{box(self.car["length"], self.car["width"], 1.5)}'
+            '<Performance maxSpeed="70" maxAcceleration="10" maxDeceleration="10"/>'
+            f'<Axles><FrontAxle {axle} positionX="{half}"/><RearAxle {axle} positionX="{-half}"/></Axles><Properties/></Vehicle>'
+        )
+
     def scenario(self, message: Message) -> str:
-        """An OpenSCENARIO file. The reference point of the car is the middle of its box."""
-        ego, driver, half = message["ego"], message["driver"], self.car["wheelbase"] / 2
+        """An OpenSCENARIO file. At the end of a road esmini would hold a moving car: for its drivers another car stands at the end of the route."""
+        ego, driver = message["ego"], message["driver"]
+        route = message["route"] if driver else []
+        last = "".join(f'<ScenarioObject name="last">{self.body("last")}</ScenarioObject>' for _ in route[-1:])
         controller = f'<Property name="esminiController" value="{"ALKS_R157SM_Controller" if driver else "ExternalController"}"/>'
         settings = f'<Property name="model" value="{driver}"/><Property name="logLevel" value="0"/>' if driver else ""
         control = f'<ObjectController><Controller name="driver"><Properties>{controller}{settings}</Properties></Controller></ObjectController>'
-        axle = 'maxSteering="0.7" wheelDiameter="0.7" trackWidth="1.6" positionZ="0.35"'
         people = "".join(
             f'<ScenarioObject name="person{number}"><Pedestrian name="person{number}" mass="70" model="" pedestrianCategory="pedestrian">'
             f'{box(2 * body["radius"], 2 * body["radius"], body["height"])}<Properties/></Pedestrian></ScenarioObject>'
             for number, body in enumerate(self.bodies)
         )
-        waypoints = "".join(f'<Waypoint routeStrategy="shortest">{place(x, y, yaw)}</Waypoint>' for x, y, yaw in message["route"][::STRIDE])
-        route = f'<RoutingAction><AssignRouteAction><Route name="way" closed="false">{waypoints}</Route></AssignRouteAction></RoutingAction>' if driver else ""
+        waypoints = "".join(f'<Waypoint routeStrategy="shortest">{place(*point)}</Waypoint>' for point in self.waypoints(route))
+        way = f'<RoutingAction><AssignRouteAction><Route name="way" closed="false">{waypoints}</Route></AssignRouteAction></RoutingAction>' if waypoints else ""
         actions = [
             f"<TeleportAction>{place(ego['x'], ego['y'], ego['yaw'])}</TeleportAction>",
             '<LongitudinalAction><SpeedAction><SpeedActionDynamics dynamicsShape="step" dynamicsDimension="time" value="0"/><SpeedActionTarget>'
             f'<AbsoluteTargetSpeed value="{ego["speed"]!r}"/></SpeedActionTarget></SpeedAction></LongitudinalAction>',
-            route,
+            way,
             f'<ControllerAction><ActivateControllerAction longitudinal="true" lateral="{"false" if driver else "true"}"/></ControllerAction>',
         ]
-        walks = "".join(
-            f'<Private entityRef="person{number}"><PrivateAction><TeleportAction>{place(told["x"], told["y"], told["yaw"])}</TeleportAction></PrivateAction></Private>'
-            for number, told in enumerate(message["pedestrians"])
+        places = {f"person{number}": (told["x"], told["y"], told["yaw"]) for number, told in enumerate(message["pedestrians"])}
+        places |= {"last": point for point in route[-1:]}
+        stand = "".join(
+            f'<Private entityRef="{name}"><PrivateAction><TeleportAction>{place(*point)}</TeleportAction></PrivateAction></Private>' for name, point in places.items()
         )
         return (
             '<?xml version="1.0" encoding="UTF-8"?><OpenSCENARIO><FileHeader revMajor="1" revMinor="1" date="2026-01-01T00:00:00" description="" author=""/>'
             f'<ParameterDeclarations/><CatalogLocations/><RoadNetwork><LogicFile filepath="{self.map}"/></RoadNetwork><Entities><ScenarioObject name="ego">'
-            f'<Vehicle name="ego" vehicleCategory="car">{box(self.car["length"], self.car["width"], 1.5)}'
-            '<Performance maxSpeed="70" maxAcceleration="10" maxDeceleration="10"/>'
-            f'<Axles><FrontAxle {axle} positionX="{half}"/><RearAxle {axle} positionX="{-half}"/></Axles><Properties/></Vehicle>{control}</ScenarioObject>'
-            f'{people}</Entities><Storyboard><Init><Actions><Private entityRef="ego">'
-            f"{''.join(f'<PrivateAction>{action}</PrivateAction>' for action in actions if action)}</Private>{walks}</Actions></Init>"
+            f'{self.body("ego")}{control}</ScenarioObject>{people}{last}</Entities><Storyboard><Init><Actions><Private entityRef="ego">'
+            f"{''.join(f'<PrivateAction>{action}</PrivateAction>' for action in actions if action)}</Private>{stand}</Actions></Init>"
             '<StopTrigger/></Storyboard></OpenSCENARIO>'
         )  # fmt: skip
 
