@@ -125,8 +125,13 @@ fn joined(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
     joined
 }
 
-/// Breaks long lines between words, at 80 columns. Lines that continue one are indented as it is, and by two columns more.
+/// Breaks long lines between words, at 80 columns.
 pub fn wrapped(text: &str) -> String {
+    broken(text, WIDTH)
+}
+
+/// Breaks lines that are longer than a number of columns between words. Lines that continue one are indented as it is, and by two columns more.
+pub fn broken(text: &str, columns: u16) -> String {
     let mut all = String::new();
     for line in text.lines() {
         let indent = line.len() - line.trim_start().len();
@@ -136,7 +141,7 @@ pub fn wrapped(text: &str) -> String {
             if column == 0 {
                 all.push_str(&line[..indent]);
                 column = indent;
-            } else if column + 1 + width > usize::from(WIDTH) {
+            } else if column + 1 + width > usize::from(columns) {
                 all.push('\n');
                 all.push_str(&" ".repeat(indent + 2));
                 column = indent + 2;

@@ -8,6 +8,7 @@ use crate::cli::failure::failed;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Error, Input, Session};
 use lang::reason;
+use results::report;
 use world::env::Scenario;
 use world::judge::{Encountered, Recording, RecordingFileError, Reference, Sizes, Verdict};
 use world::sim::VehicleBlueprint;
@@ -163,10 +164,7 @@ fn tell(found: &Encountered, recording: &Recording) {
     } else {
         console::say(&format!("the danger started {:.2} s before the touch", verdict.warning));
     }
-    for reference in Reference::ALL {
-        let result = if verdict.trial(reference).is_avoided() { "avoids it" } else { "does not avoid it" };
-        console::say(&format!("  {:<14}{result}", reference.name()));
-    }
+    report::reference_lines(verdict).for_each(|line| console::say(&line));
 }
 
 /// Makes an object of the result, with the names of the table of episodes; what does not apply is null.

@@ -98,10 +98,10 @@ impl CellKey {
         }
     }
 
-    /// The full key in words: controller, town and driver, then vehicle, adversary, world and block.
+    /// The full key in words: controller, town and driver, then vehicle, adversary, and which `evaluate` block if it is not the first.
     pub fn in_full(&self) -> String {
-        let Self { block, town, policy, vehicle, adversary, world, .. } = self;
-        format!("{} in {town} against {policy}, {vehicle}, {adversary}, {world}, block {block}", self.who())
+        let block = if self.block > 0 { format!(", evaluation {}", self.block + 1) } else { String::new() };
+        format!("{self}, {}, {}{block}", self.vehicle, self.adversary)
     }
 }
 

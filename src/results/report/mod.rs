@@ -66,7 +66,8 @@ pub use recheck::{
 pub use render::{
     ChangeReport, Group, MapPage, Narrative, PlayedPair, Replay, SMOKE, Section, SectionMaker, StartLayer, Starts,
     Suite, Tally, TownView, animation, change_page, change_text, comparison_report, failures_for_terminal, junit,
-    map_page, narrative, overview_for_terminal, overview_page, recheck_report, sections, spawn_map, strip,
+    map_page, narrative, overview_for_terminal, overview_page, recheck_report, reference_lines, sections, spawn_map,
+    strip,
 };
 pub use text_forms::{csv_text, json_rows};
 

@@ -32,6 +32,18 @@ impl Reference {
     /// The number of reference drivers.
     pub const COUNT: usize = 6;
 
+    /// What it is, for people.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::CarefulHuman => "careful human",
+            Self::AttentiveHuman => "attentive human",
+            Self::FuzzySafety => "fuzzy safety",
+            Self::Rss => "RSS",
+            Self::IdealBrake => "ideal brake",
+            Self::Bound => "0.85 g at once",
+        }
+    }
+
     /// Makes the driver.
     pub fn driver(self) -> Box<dyn ReferenceDriver> {
         match self.model() {

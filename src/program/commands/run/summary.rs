@@ -16,7 +16,7 @@ pub fn show(report: &CampaignReport, details: bool) {
     // The first section is the most important one, and the last lines are those that a reader sees.
     let texts = sections.iter().rev().map(|section| section.to_terminal(console::width(), details));
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
-    texts.iter().for_each(|text| console::say(&format!("{}\n", text.trim_end())));
+    texts.iter().for_each(|text| console::say(&console::broken(text, console::width())));
     if manifest.smoke {
         console::say(report::SMOKE);
     }

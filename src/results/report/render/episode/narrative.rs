@@ -288,7 +288,13 @@ fn verdict_lines(verdict: &Verdict) -> Vec<String> {
             format!("  the car behind {fares}: it needs {needed:.1} m/s², and has {:.1} m/s²", follower.limit)
         }
     }));
-    lines.extend(Reference::ALL.into_iter().map(|reference| {
+    lines.extend(reference_lines(verdict));
+    lines
+}
+
+/// How each reference driver fares, a line each.
+pub fn reference_lines(verdict: &Verdict) -> impl Iterator<Item = String> {
+    Reference::ALL.into_iter().map(|reference| {
         let trial = verdict.trial(reference);
         let fared = match trial.impact_speed {
             None => format!("avoids it with {:.2} m to spare", trial.least_gap),
@@ -298,7 +304,6 @@ fn verdict_lines(verdict: &Verdict) -> Vec<String> {
                 _ => format!("collides at {speed:.1} m/s, no slower"),
             },
         };
-        format!("  {:<12} {fared}", reference.name())
-    }));
-    lines
+        format!("  {:<31} {fared}", format!("{} (`{}`)", reference.in_words(), reference.name()))
+    })
 }

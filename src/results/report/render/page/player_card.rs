@@ -80,24 +80,11 @@ fn reference_drivers(replay: &Replay) -> Markup {
             ul.drivers aria-label="Reference drivers" {
                 @for (name, hit) in &replay.drivers {
                     @match hit {
-                        None => li.avoids { b { (driver(name)) } " avoids it" },
-                        Some(speed) => li.hits { b { (driver(name)) } (format!(" collides at {speed:.1} m/s")) },
+                        None => li.avoids { b { (name) } " avoids it" },
+                        Some(speed) => li.hits { b { (name) } (format!(" collides at {speed:.1} m/s")) },
                     }
                 }
             }
         }
-    }
-}
-
-/// A reference driver, for people.
-fn driver(name: &str) -> &str {
-    match name {
-        "cc" => "careful human",
-        "cc_attentive" => "attentive human",
-        "fsm" => "fuzzy safety",
-        "rss" => "RSS",
-        "ideal" => "ideal brake",
-        "bound" => "0.85 g at once",
-        other => other,
     }
 }

@@ -158,7 +158,7 @@ impl Replay {
             opens,
             verdict: verdict.map(|verdict| verdict.label.name()),
             drivers: verdict.map_or_else(Vec::new, |verdict| {
-                let fared = |driver: Reference| (driver.name(), verdict.trial(driver).impact_speed);
+                let fared = |driver: Reference| (driver.in_words(), verdict.trial(driver).impact_speed);
                 Reference::ALL.map(fared).into()
             }),
             touch,

@@ -54,7 +54,7 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
     }
     Some(Section {
         id: "beats-untrained",
-        name: "Trainings",
+        name: "Learnt?",
         title: "Do the trainings beat untrained pedestrians?",
         depth: if doubts.is_empty() { Depth::Page } else { Depth::Summary },
         tables: vec![Table { head: columns, rows, ..Table::default() }],
