@@ -25,7 +25,7 @@ pub use search::{Find, SearchResult};
 pub use training::{TrainingResult, learning_curve_lines, networks, pedestrian_files};
 
 use crate::campaign::{Collect, Part, State, TaskError};
-use crate::record::TableReference;
+use crate::record::{TableReference, in_block};
 use crate::report::{Findings, Group, Manifest, SectionMaker, Table};
 use compile::{Job, Planned};
 
@@ -104,7 +104,7 @@ pub trait Work: Planned {
 
     /// All its names; no other job of its campaign has the same.
     fn what(&self) -> String {
-        format!("{}, block {}", self.title(), self.origin().block)
+        format!("{}{}", self.title(), in_block(self.origin().block))
     }
 
     /// Runs a part of it, stores it as far as it has ended, and reports [`Part::begin`] and [`Part::progress`]; `None` if the user asks to stop before there is any result.

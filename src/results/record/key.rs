@@ -31,6 +31,11 @@ pub fn in_world(town: &str, world: &str) -> String {
     if world == HERE { town.into() } else { format!("{town} ({world})") }
 }
 
+/// `, block 2` of the block with this number; nothing of the first.
+pub fn in_block(block: u32) -> String {
+    if block == 0 { String::new() } else { format!(", block {block}") }
+}
+
 impl CellKey {
     /// The key of an evaluation's cell.
     pub fn of(evaluation: &Evaluation) -> Self {
@@ -100,8 +105,7 @@ impl CellKey {
 
     /// The full key in words: controller, town and driver, then vehicle, adversary, and which `evaluate` block if it is not the first.
     pub fn in_full(&self) -> String {
-        let block = if self.block > 0 { format!(", evaluation {}", self.block + 1) } else { String::new() };
-        format!("{self}, {}, {}{block}", self.vehicle, self.adversary)
+        format!("{self}, {}, {}{}", self.vehicle, self.adversary, in_block(self.block))
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) mod tests;
 pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Role, Signed, Table, TableReference};
 pub use degrees::{DEGREES, parse as parse_degrees, with_degrees};
 pub use episodes::{EPISODES, IN_ERROR, cell_key, episode_references, episode_table, episodes};
-pub use key::{CellKey, RunKey, in_world};
+pub use key::{CellKey, RunKey, in_block, in_world};
 pub use metric::{Metric, metrics};
 pub use parquet_reader::read_parquet;
 pub use read::EpisodeTable;

@@ -4,7 +4,7 @@ use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 
 use super::{Cell, Doubt, DriverResult, Rate, SearchCell};
 use crate::record::columns::WORLD;
-use crate::record::{Column, Table};
+use crate::record::{Column, Table, in_block};
 use compile::HERE;
 
 /// The results of a report for an overview.
@@ -71,9 +71,9 @@ impl<'a> OverviewRow<'a> {
         let report = &self.variant.report;
         match self.found {
             Found::Evaluated(Cell { key, .. }) => {
-                format!("{report}, block {}, {}, {}, {}", key.block, key.vehicle, key.adversary, key.world)
+                format!("{report}{}, {}, {}, {}", in_block(key.block), key.vehicle, key.adversary, key.world)
             }
-            Found::Searched(cell) => format!("{report}, block {}", cell.key.block),
+            Found::Searched(cell) => format!("{report}{}", in_block(cell.key.block)),
         }
     }
 

@@ -3,7 +3,7 @@ use super::search_figures::{FAILED_STARTS, FAULT, FAULT_START_RATE, FIRST_FAILUR
 use super::searches::{BUDGET, STARTS, search_key};
 use crate::jobs::SearchResult;
 use crate::record::metric::MEAN;
-use crate::record::{Column, Entry, Interval, Role, Table};
+use crate::record::{Column, Entry, Interval, Role, Table, in_block};
 use crate::report::grouped::grouped;
 use base::statistics::{MIN_RUNS, clopper_pearson, quantile};
 use compile::SearchKey;
@@ -60,8 +60,7 @@ impl SearchCell {
     /// Its name, for people.
     pub fn in_full(&self) -> String {
         let key = &self.key;
-        let block = if key.block == 0 { String::new() } else { format!(", block {}", key.block) };
-        format!("{}{block} in {} against {}", key.falsifier, key.town, key.policy)
+        format!("{}{} in {} against {}", key.falsifier, in_block(key.block), key.town, key.policy)
     }
 }
 

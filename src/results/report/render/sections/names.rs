@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use crate::record::CellKey;
+use crate::record::{CellKey, in_block};
 use crate::report::Cell;
 use crate::report::render::table::{Column, Value};
 
@@ -77,8 +77,5 @@ pub fn place(cell: &Cell, cells: &[Cell]) -> String {
     if cells.iter().any(|other| other.key.world != cell.key.world) {
         let _ = write!(text, ", {}", cell.key.world);
     }
-    if cells.iter().any(|other| other.key.block != cell.key.block) {
-        let _ = write!(text, ", block {}", cell.key.block);
-    }
-    text
+    text + &in_block(cell.key.block)
 }

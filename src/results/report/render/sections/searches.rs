@@ -1,4 +1,5 @@
 use super::search_pairs::{findings_of_pairs, search_pairs};
+use crate::record::in_block;
 use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
 use crate::report::{Findings, Rate, SearchCell};
 use compile::SearchKey;
@@ -89,9 +90,8 @@ fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
 /// The falsifier, with the requirement that it tried to violate; with the number of its block when that is not the first.
 pub fn who(cell: &SearchCell) -> String {
     let SearchCell { key, goal, .. } = cell;
-    let block = if key.block == 0 { String::new() } else { format!(", block {}", key.block) };
     let goal = goal.as_ref().map_or_else(String::new, |goal| format!(", goal {goal}"));
-    format!("{}{block}{goal}", key.falsifier)
+    format!("{}{}{goal}", key.falsifier, in_block(key.block))
 }
 
 /// The starts from which a failure was found, of those from which the falsifier searched.
