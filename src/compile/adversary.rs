@@ -6,10 +6,9 @@ use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{
-    ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, Placement, ReferenceFrame,
-    Scaling, TargetBox,
+    ActionSpec, Controller, Destination, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, Placement,
+    ReferenceFrame, Scaling, TargetBox,
 };
-use world::geometry::Point;
 use world::sim::{Gait, PedestrianBody};
 
 /// Heights of the adult and the child target of Euro NCAP (m).
@@ -59,9 +58,9 @@ keys! {
         /// Where the heading it chooses is measured from; `meeting` is the direction in which it would meet the car's bumper at
         /// the speed it chooses, if the car kept its velocity.
         action_frame: ReferenceFrame = "heading",
-        /// The place to which it is on its way with `action_frame: destination`, where its heading is a correction of that way; without it, it crosses
-        /// the road.
-        destination: Option<[f64; 2]>,
+        /// The place to which it is on its way with `action_frame: destination`, where its heading is a correction of that way; `bus_stop` is the stop
+        /// nearest to its start. Without it, it crosses the road.
+        destination: Option<Destination>,
         /// Units of its state: rad, m, rad, m/s, or those over π, 30, π, 8.
         observation_scaling: Scaling = "natural",
         /// Units of its action: rad and m/s, or the whole range as -1 to 1.
@@ -149,7 +148,7 @@ pub fn lower(keys: BodyKeys) -> PedestrianRole {
             speed: keys.speed,
             heading: keys.heading.unwrap_or(ActionSpec::ANY_HEADING),
             frame: keys.action_frame,
-            destination: keys.destination.map(|[x, y]| Point::new(x, y)),
+            destination: keys.destination,
             scaling: keys.action_scaling,
         },
         controller: Controller::External,

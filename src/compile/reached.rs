@@ -8,7 +8,17 @@ use world::env::robustness_of;
 
 /// A declaration and all that it refers to, directly or not.
 pub(super) fn reached(program: &Program, from: DeclarationId) -> BTreeSet<DeclarationId> {
-    let mut open = vec![from];
+    all_from(program, vec![from])
+}
+
+/// All that a block refers to, directly or not.
+pub(super) fn reached_by(program: &Program, block: &Block) -> BTreeSet<DeclarationId> {
+    let mut open = Vec::new();
+    references(block, &mut open);
+    all_from(program, open)
+}
+
+fn all_from(program: &Program, mut open: Vec<DeclarationId>) -> BTreeSet<DeclarationId> {
     let mut seen = BTreeSet::new();
     while let Some(id) = open.pop() {
         if seen.insert(id) {

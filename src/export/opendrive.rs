@@ -30,8 +30,9 @@ const SIGN_HEIGHT: f64 = 2.0;
 const MARK: f64 = 0.12;
 /// Straight pieces whose headings differ by less are one (rad): over a kilometre that is a micrometre.
 const IN_LINE: f64 = 1e-9;
-/// The signal types of a speed limit, and of a traffic light with three lamps.
+/// The signal types of a speed limit, a bus stop, and a traffic light with three lamps.
 const SPEED_LIMIT: &str = "274";
+const BUS_STOP: &str = "224";
 const LIGHT: &str = "1000001";
 
 impl Exporter for OpenDrive {
@@ -78,7 +79,7 @@ fn not_representable(what: &str) -> ExportError {
 /// The map's file, with what the town has beside the map.
 fn with_additions(town: &Town, map: &str) -> Result<String, ExportError> {
     let read = opendrive::read(map, &town.name).map_err(|error| not_representable(&format!("its map: {error}")))?;
-    let TownParts { obstacles, speed_signs, .. } = read;
+    let TownParts { obstacles, speed_signs, bus_stops, .. } = read;
     let obstacles = town.obstacles.iter().filter(|own| !obstacles.contains(own));
     let signs = town.speed_signs.iter().filter(|own| !speed_signs.contains(own));
     let mut additions: BTreeMap<u32, Addition> = BTreeMap::new();
@@ -91,6 +92,12 @@ fn with_additions(town: &Town, map: &str) -> Result<String, ExportError> {
         let Some(place) = lane_of(town, &sign.trigger.pose) else { continue };
         let signals = &mut additions.entry(town.roads[place.road.0 as usize].id).or_default().signals;
         signals.push_str(&Xml::fragment(|xml| write_sign(xml, town, place, number, sign)));
+    }
+    for (number, stop) in town.bus_stops.iter().filter(|own| !bus_stops.contains(own)).enumerate() {
+        let Some(place) = place(town, *stop) else { continue };
+        let road = &town.roads[place.road.0 as usize];
+        let signals = &mut additions.entry(road.id).or_default().signals;
+        signals.push_str(&Xml::fragment(|xml| write_bus_stop(xml, road, place.s, number, *stop)));
     }
     if additions.is_empty() {
         return Ok(map.to_owned());
@@ -106,6 +113,7 @@ struct Beside {
     crosswalks: Vec<usize>,
     signs: Vec<(usize, Waypoint)>,
     lights: Vec<(usize, Waypoint)>,
+    stops: Vec<(usize, Waypoint)>,
 }
 
 fn document(town: &Town) -> String {
@@ -123,6 +131,9 @@ fn document(town: &Town) -> String {
     }
     for (number, light) in town.traffic_lights.iter().enumerate() {
         at(lane_of(town, &light.stop), &|beside, place| beside.lights.push((number, place)));
+    }
+    for (number, stop) in town.bus_stops.iter().enumerate() {
+        at(place(town, *stop), &|beside, place| beside.stops.push((number, place)));
     }
     for (number, corners) in town.crosswalks.iter().enumerate() {
         at(place(town, corners[0]), &|beside, _| beside.crosswalks.push(number));
@@ -216,13 +227,16 @@ fn write_road(xml: &mut Xml, town: &Town, index: RoadIndex, road: &Road, beside:
                     }
                 });
             }
-            if !beside.signs.is_empty() || !beside.lights.is_empty() {
+            if !beside.signs.is_empty() || !beside.lights.is_empty() || !beside.stops.is_empty() {
                 xml.element("signals", &[], |xml| {
                     for (number, place) in &beside.signs {
                         write_sign(xml, town, *place, *number, &town.speed_signs[*number]);
                     }
                     for (number, place) in &beside.lights {
                         write_light(xml, town, index, *place, *number);
+                    }
+                    for (number, place) in &beside.stops {
+                        write_bus_stop(xml, road, place.s, *number, town.bus_stops[*number]);
                     }
                 });
             }
@@ -507,6 +521,25 @@ fn write_sign(xml: &mut Xml, town: &Town, place: Waypoint, number: usize, sign: 
         let value = format!("{x} {y} {yaw} {} {}", half.x, half.y);
         xml.empty("userData", &[("code", &TRIGGER), ("value", &value)]);
     });
+}
+
+fn write_bus_stop(xml: &mut Xml, road: &Road, s: f64, number: usize, stop: Point) {
+    let t = road.plan_view.pose(s).to_local(stop).y;
+    xml.empty(
+        "signal",
+        &[
+            ("s", &s),
+            ("t", &t),
+            ("id", &format!("stop_{number}")),
+            ("name", &"bus stop"),
+            ("dynamic", &"no"),
+            ("orientation", &"none"),
+            ("zOffset", &SIGN_HEIGHT),
+            ("country", &"DE"),
+            ("type", &BUS_STOP),
+            ("subtype", &"-1"),
+        ],
+    );
 }
 
 fn write_light(xml: &mut Xml, town: &Town, road: RoadIndex, place: Waypoint, number: usize) {

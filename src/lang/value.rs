@@ -41,7 +41,10 @@ pub(super) fn value(
         Type::Integer { .. } | Type::Ticks { .. } => number::whole(expression, ty, context, diagnostics),
         Type::Range { .. } => number::range(expression, ty, context, diagnostics),
         Type::Distribution { .. } => number::drawn(expression, ty, context, diagnostics),
-        Type::Point | Type::Pose => number::place(expression, ty, context, diagnostics),
+        Type::WordOrPoint(words) if matches!(expression.kind, ExpressionKind::Name(_) | ExpressionKind::Text(_)) => {
+            name::choice(expression, ty, words, context, diagnostics)
+        }
+        Type::Point | Type::WordOrPoint(_) | Type::Pose => number::place(expression, ty, context, diagnostics),
         Type::Boolean => match &expression.kind {
             ExpressionKind::Name(word) if word == "true" || word == "false" => Some(Value::Boolean(word == "true")),
             _ => unfit(expression, ty, context, diagnostics),

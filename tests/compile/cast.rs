@@ -12,8 +12,8 @@ use learn::{Agent, Credit, Env, Policies, PpoConfig};
 use world::av::{DrivingMode, PerfectSensors};
 use world::cause::{Incident, Reruns, needs};
 use world::env::{
-    ActionSpec, Controller, Criterion, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome,
-    PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out,
+    ActionSpec, Controller, Criterion, Destination, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer,
+    Outcome, PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out,
 };
 use world::falsifier::{
     ActionMode, Archive, ArchiveSearch, BudgetedSimulation, Failure, Falsifier, Forces, Gaps, Intercept, Learning,
@@ -736,7 +736,7 @@ fn a_walker_with_a_destination_walks_around_whom_it_meets_and_stays_there() {
     let scenario = Arc::new(scenario);
     let least = |forces: Option<Forces>| {
         let changes = Recording::Dut;
-        let destination = Some([80.0, LANE - 30.0]);
+        let destination = Some(Destination::Point(Point::new(80.0, LANE - 30.0)));
         let keys = NaturalKeys { changes, heed: 1.0, gaps: Gaps::Recorded, destination, forces };
         let mut walker = Natural::from_keys(keys);
         let mut env = scenario.simulation();

@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
-use world::env::{Outcome, ReferenceFrame, Scaling, Scenario, Trace};
+use world::env::{Destination, Outcome, ReferenceFrame, Scaling, Scenario, Trace};
 use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_observed};
 use world::geometry::{Obstacles, Point, wrap_angle};
 use world::judge::PedestrianMotion;
+use world::road::{Town, TownParts};
 use world::sim::Gait;
 
 const SCENARIO: &str = r#"
@@ -109,8 +110,11 @@ fn what_a_plausible_pedestrian_does_in_free_space_is_foreseeable() {
 fn a_pedestrian_that_corrects_its_way_stays_on_it() {
     const CORRECTION: f64 = 0.3;
     let plan = plan();
-    for destination in [None, Some(Point::new(20.0, 4.0))] {
-        let mut scenario = Scenario::clone(&scenario(&plan, "suicidal"));
+    let stops = vec![Point::new(900.0, 0.0), Point::new(20.0, 4.0)];
+    let town = TownParts { bus_stops: stops, ..TownParts::clone(&scenario(&plan, "suicidal").town) };
+    let (there, town) = (Point::new(20.0, 4.0), Arc::new(Town::new(town)));
+    for destination in [None, Some(Destination::Point(there)), Some(Destination::BusStop)] {
+        let mut scenario = Scenario { town: town.clone(), ..Scenario::clone(&scenario(&plan, "suicidal")) };
         let action = &mut scenario.cast.pedestrians[0].action;
         (action.frame, action.heading) = (ReferenceFrame::Destination, (-CORRECTION, CORRECTION));
         (action.scaling, action.destination) = (Scaling::Natural, destination);
@@ -122,10 +126,10 @@ fn a_pedestrian_that_corrects_its_way_stays_on_it() {
             for tick in 0..pair.len() {
                 let Some(command) = pair.decision(tick) else { continue };
                 let frame = pair.frame(tick);
-                let way = destination.map_or_else(
-                    || car.left() * -car.to_local(start).y.signum(),
-                    |there| there - frame.pedestrian.pose.position(),
-                );
+                let way = match destination {
+                    None => car.left() * -car.to_local(start).y.signum(),
+                    Some(_) => there - frame.pedestrian.pose.position(),
+                };
                 let correction = wrap_angle(command.heading - libm::atan2(way.y, way.x));
                 assert!(correction.abs() < CORRECTION + 1e-9, "{destination:?} {correction}");
                 assert!((pair.action(&frame, command)[0] - correction).abs() < 1e-9);

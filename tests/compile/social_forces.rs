@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use base::seed::Seed;
-use world::env::{Controller, Draw, Observer, PedestrianRole, Placement, Trace, carry_out};
+use world::env::{Controller, Destination, Draw, Observer, PedestrianRole, Placement, Trace, carry_out};
 use world::falsifier::{Forces, Gaps, Natural, NaturalKeys, Recording, WalkPolicy};
 use world::geometry::{Obstacles, OrientedBox, Point, Pose};
 use world::sim::{ActorStart, WalkCommand};
@@ -45,7 +45,7 @@ fn walk(starts: &[Point], walls: &[OrientedBox], forces: Option<Forces>, seconds
     scenario.cast.pedestrians = std::iter::once(first).chain(starts.iter().map(role)).collect();
     let scenario = Arc::new(scenario);
     let mut walkers = [9.0, 90.0].map(|x| {
-        let destination = Some([x, MIDDLE]);
+        let destination = Some(Destination::Point(Point::new(x, MIDDLE)));
         let keys = NaturalKeys { changes: Recording::Dut, heed: 0.0, gaps: Gaps::Recorded, destination, forces };
         Natural::from_keys(keys)
     });

@@ -89,7 +89,9 @@ fn value(param: &Param, a: u16, b: u16) -> Option<String> {
                 pick(&offers, a).to_string()
             }
             Type::Boolean => a.is_multiple_of(2).to_string(),
-            Type::Choice(_) | Type::Step(_) | Type::WordOrReference(..) => format!("\"{}\"", pick(ty.words(), a)),
+            Type::Choice(_) | Type::Step(_) | Type::WordOrPoint(_) | Type::WordOrReference(..) => {
+                format!("\"{}\"", pick(ty.words(), a))
+            }
             Type::List(item) if matches!(**item, Type::Pose) => "[(50 m, -1.75 m, 0 deg)]".into(),
             Type::List(item) if matches!(**item, Type::Condition(_)) => (*pick(REQUIRED, a)).to_string(),
             Type::List(item) => format!("[{}]", of(item, a, b)?),

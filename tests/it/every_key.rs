@@ -360,6 +360,7 @@ fn values(ty: &Type, present: Option<&str>) -> Vec<String> {
         Type::Text
         | Type::Path
         | Type::Point
+        | Type::WordOrPoint(_)
         | Type::Pose
         | Type::Condition(_)
         | Type::Formula(_)

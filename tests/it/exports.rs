@@ -87,6 +87,7 @@ fn check_round_trip(town: &Town) {
         turns(a) == turns(b) && near_pose(&a.stop, &b.stop) && near_box(&a.trigger, &b.trigger)
     };
     check_same("lights", &town.traffic_lights, &read.traffic_lights, same_light);
+    check_same("stops", &town.bus_stops, &read.bus_stops, |a, b| near(a.x, b.x) && near(a.y, b.y));
     check_same("obstacles", &town.obstacles, &read.obstacles, near_box);
     let same_stretch = |a: &Town, b: &Town| {
         let stretches = a.driving_lanes().iter().zip(b.driving_lanes());
@@ -179,12 +180,14 @@ fn a_map_is_handed_through_with_what_the_scenario_adds() {
     assert_eq!(export::town(&Town::new(parts.clone())).unwrap(), MAP);
     let house = OrientedBox::new(Pose::new(130.0, 20.0, 0.4), 5.0, 4.0);
     let sign = SpeedSign { limit: 10.0, trigger: OrientedBox::new(Pose::new(30.0, -1.75, 0.0), 1.4, 1.4) };
-    let town = Town::new(TownParts { obstacles: vec![house], speed_signs: vec![sign.clone()], ..parts });
+    let stop = Point::new(40.0, -6.0);
+    let parts = TownParts { obstacles: vec![house], speed_signs: vec![sign.clone()], bus_stops: vec![stop], ..parts };
+    let town = Town::new(parts);
     let text = export::town(&town).unwrap();
     let (head, tail) = MAP.split_once("<signals/>").unwrap();
     assert!(text.starts_with(head) && text.ends_with(tail), "{text}");
     let read = opendrive::read(&text, "map").unwrap();
-    assert_eq!((read.obstacles.len(), read.speed_signs.len()), (1, 1));
+    assert_eq!((read.obstacles.len(), read.speed_signs.len(), read.bus_stops.as_slice()), (1, 1, [stop].as_slice()));
     assert!(near_box(&read.obstacles[0], &house), "{:?}", read.obstacles);
     assert!(near_box(&read.speed_signs[0].trigger, &sign.trigger) && near(read.speed_signs[0].limit, 10.0));
     // What was added once is not added again.

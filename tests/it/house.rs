@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_537),
+    ("src/base", 3_540),
     ("src/learn", 5_613),
-    ("src/world", 38_580),
+    ("src/world", 38_646),
     ("src/ported", 4_642),
-    ("src/lang", 6_542),
-    ("src/compile", 8_352),
+    ("src/lang", 6_545),
+    ("src/compile", 8_385),
     ("src/process", 876),
-    ("src/export", 3_823),
+    ("src/export", 3_856),
     ("src/results", 26_862),
-    ("src/program", 13_021),
-    ("tests", 29_957),
+    ("src/program", 13_023),
+    ("tests", 29_967),
 ];
 
 /// Crates that only some places may name.

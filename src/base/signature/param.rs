@@ -61,6 +61,8 @@ pub enum Type {
     Path,
     /// `(x, y)`, two lengths.
     Point,
+    /// `(x, y)`, or one of these words.
+    WordOrPoint(&'static [&'static str]),
     /// `(x, y, yaw)`, two lengths and an angle.
     Pose,
     /// The name of a declaration of this form.
@@ -84,7 +86,7 @@ impl Type {
             Self::Quantity { dimension, .. } | Self::Range { dimension, .. } | Self::Distribution { dimension, .. } => {
                 Some(*dimension)
             }
-            Self::Point | Self::Pose => Some(Dimension::LENGTH),
+            Self::Point | Self::WordOrPoint(_) | Self::Pose => Some(Dimension::LENGTH),
             Self::List(inner) => inner.dimension(),
             _ => None,
         }
@@ -93,7 +95,7 @@ impl Type {
     /// The words that it accepts, or that a member of it is; empty for types without words.
     pub fn words(&self) -> &[&'static str] {
         match self {
-            Self::Choice(words) | Self::Step(words) => words,
+            Self::Choice(words) | Self::Step(words) | Self::WordOrPoint(words) => words,
             Self::WordOrReference(words, _) => words,
             Self::List(item) => item.words(),
             _ => &[],
@@ -176,6 +178,7 @@ impl Type {
             Type::Text => "text in quotes".into(),
             Type::Path => "path in quotes".into(),
             Type::Point => "point `(x, y)`".into(),
+            Type::WordOrPoint(words) => format!("{}, or point `(x, y)`", words.join(", ")),
             Type::Pose => "pose `(x, y, yaw)`".into(),
             Type::Reference(form) if form.starts_with(['a', 'e', 'i', 'o']) => format!("name of an {form}"),
             Type::Reference(form) => format!("name of a {form}"),

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Grid;
 use crate::jobs::{Cover, Estimation, Search};
 use crate::lowering::Lowering;
+use crate::reached::reached_by;
 use base::signature::{Comparison, Formula, Value, VariableId};
 use lang::diagnostics;
 use lang::hir::Block;
@@ -69,6 +70,19 @@ impl Lowering<'_> {
             let found: Vec<_> = requirements.chain(asked).chain(rewards).chain(end).chain(drivers).collect();
             for (place, name) in found {
                 self.said.push(diagnostics::never_applies(place, &name, part.name, &without));
+            }
+        }
+    }
+
+    /// Warns of pedestrians of a campaign that walk to a bus stop, and of its towns without any.
+    pub(super) fn warn_of_stops(&mut self, block: &Block, grid: &Grid) {
+        let towns = grid.campaign.towns.iter().filter(|town| town.town.bus_stops.is_empty());
+        let without: Vec<&str> = towns.map(|town| town.name.as_str()).collect();
+        let to_stop = |(key, value): (&str, &Value)| key == "destination" && *value == Value::Choice("bus_stop");
+        for id in reached_by(self.program, block).into_iter().filter(|_| !without.is_empty()) {
+            let walker = self.program.get(id);
+            if walker.block.arguments.iter().any(to_stop) {
+                self.said.push(diagnostics::never_applies(block.head, &walker.name, "bus stops", &without));
             }
         }
     }

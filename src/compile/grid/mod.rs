@@ -81,6 +81,7 @@ impl Lowering<'_> {
         }
         self.forbid_repeated_trainings(block, &grid.campaign);
         self.warn_of_absent(block, &grid);
+        self.warn_of_stops(block, &grid);
         self.warn_of_speeds(block, &grid);
         if !grid.campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));

@@ -12,8 +12,8 @@ use drawn::TownKeys;
 use lang::hir::{Block, Declaration};
 use lang::{Reader, diagnostics};
 use map::OpenDriveKeys;
-use objects::{CrosswalkKeys, SpeedSignKeys};
-use world::geometry::{OrientedBox, Pose, Vector};
+use objects::{BusStopKeys, CrosswalkKeys, SpeedSignKeys};
+use world::geometry::{OrientedBox, Point, Pose, Vector};
 use world::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
 
 /// Half size of the box in which a speed sign takes effect (m): 0.35 of CARLA's lanes.
@@ -126,6 +126,7 @@ pub fn lower(
     // Rows of houses leave out houses that would stand where an obstacle is placed by hand.
     parts.obstacles.retain(|row| !standing.iter().any(|(_, own)| own.overlaps(row)));
     parts.obstacles.extend(standing.iter().map(|(_, own)| *own));
+    parts.bus_stops.extend(block.inside().map(|(_, BusStopKeys { at })| Point::from(at)));
     // A real map has signs of its own.
     for (_, SpeedSignKeys { at, limit }) in block.inside().filter(|_| map.is_none()) {
         let trigger = OrientedBox::new(at.into(), SIGN_HALF_SIZE, SIGN_HALF_SIZE);

@@ -44,7 +44,7 @@ fn kinds() -> [ObstacleKind; 7] {
 /// The blocks of all objects.
 pub(super) fn signatures() -> Vec<Signature> {
     let obstacles = kinds().into_iter().map(|kind| (kind.signature)());
-    obstacles.chain([CrosswalkKeys::signature(), SpeedSignKeys::signature()]).collect()
+    obstacles.chain([CrosswalkKeys::signature(), BusStopKeys::signature(), SpeedSignKeys::signature()]).collect()
 }
 
 /// All obstacles of the town, each with the place of its declaration.
@@ -216,6 +216,14 @@ keys! {
         at: [f64; 2],
         /// Its extent along the street.
         width: f64 as within(LENGTH, 1.0, 20.0) = "4 m",
+    }
+}
+
+keys! {
+    /// A bus stop: where a pedestrian with `destination: bus_stop` waits.
+    pub struct BusStopKeys = "bus_stop" {
+        /// Where people wait.
+        at: [f64; 2],
     }
 }
 

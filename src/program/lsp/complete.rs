@@ -131,7 +131,7 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
     }
     let own: Vec<CompletionItem> = match ty {
         Type::Boolean => words(&["true", "false"]),
-        Type::Choice(choices) | Type::Step(choices) => words(choices),
+        Type::Choice(choices) | Type::Step(choices) | Type::WordOrPoint(choices) => words(choices),
         Type::WordOrReference(choices, form) => {
             let declared = visible.of_form(form).filter_map(declared);
             words(choices).into_iter().chain(declared).collect()

@@ -81,7 +81,9 @@ pub fn fits(word: &str, ty: &Type) -> bool {
         Type::Choice(_) | Type::Step(_) => matches!(word, "word" | "text"),
         Type::Integer { .. } | Type::Ticks { .. } => matches!(word, "integer" | "number"),
         Type::Condition(_) | Type::Formula(_) | Type::Requirement(_) => dimension(word).is_some(),
-        Type::Point | Type::Pose => matches!(dimension(word), Some(Dimension::LENGTH | Dimension::ANGLE)),
+        Type::Point | Type::WordOrPoint(_) | Type::Pose => {
+            matches!(dimension(word), Some(Dimension::LENGTH | Dimension::ANGLE))
+        }
         Type::Quantity { dimension: wanted, .. }
         | Type::Range { dimension: wanted, .. }
         | Type::Distribution { dimension: wanted, .. } => dimension(word) == Some(*wanted),

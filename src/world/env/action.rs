@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
-use super::{ReferenceFrame, Scaling};
-use crate::geometry::{Point, wrap_angle};
+use super::{Destination, ReferenceFrame, Scaling};
+use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
 
 /// Converts the numbers of an action to a command of a pedestrian: heading, then speed.
@@ -14,7 +14,7 @@ pub struct ActionSpec {
     /// The direction from which the chosen heading is measured.
     pub frame: ReferenceFrame,
     /// Where it walks to in the frame of that name; without a place it crosses the road.
-    pub destination: Option<Point>,
+    pub destination: Option<Destination>,
     /// The units of the action.
     pub scaling: Scaling,
 }
@@ -75,7 +75,7 @@ impl ActionSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Pose;
+    use crate::geometry::{Point, Pose};
 
     #[test]
     fn commands_and_actions_are_inverse_in_every_frame() {

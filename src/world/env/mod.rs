@@ -21,6 +21,7 @@ mod driver_parts;
 mod reference_frame;
 mod observation;
 mod action;
+mod destination;
 mod component;
 mod spawn;
 mod test_oracle;
@@ -58,6 +59,7 @@ pub use actions::Actions;
 pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, PolicyMaker, VehicleRole};
 pub use component::Component;
 pub use criterion::Criterion;
+pub use destination::Destination;
 pub use driver_parts::{DriverParts, Setting};
 pub use external_world::{
     Abilities, BRIDGES, BridgeKeys, ExternalWorld, HERE, LaneMatch, MapWriter, PROTOCOL as WORLD_PROTOCOL,

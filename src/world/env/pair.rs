@@ -139,7 +139,8 @@ impl<'a> Pair<'a> {
         let origin = |speed: f64| match action.frame {
             ReferenceFrame::Destination => {
                 let start = self.walking.first().map_or(pose.position(), |first| first.pose.position());
-                walking_heading(pose.position(), action.destination, &self.frame(0).ego.pose, start)
+                let place = action.destination.and_then(|destination| destination.place(&self.scenario.town, start));
+                walking_heading(pose.position(), place, &self.frame(0).ego.pose, start)
             }
             ReferenceFrame::Meeting => {
                 let bumper = ego.pose.to_world(Vector::new(self.blueprint.half_length, 0.0));

@@ -3,8 +3,8 @@ use std::borrow::Cow;
 use super::pursuit::{meeting_heading, walking_heading};
 use super::trace::Driven;
 use super::{
-    ActionSpec, Actions, Cast, Controller, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario,
-    SeenActor,
+    ActionSpec, Actions, Cast, Controller, Destination, Observation, ObservationSpec, PedestrianRole, ReferenceFrame,
+    Scenario, SeenActor,
 };
 use crate::geometry::{Point, Pose, Vector};
 use crate::sim::{ActorId, Contact, WalkCommand, World, time_of};
@@ -154,13 +154,19 @@ impl<'a> Scene<'a> {
         self.origin(number, self.scenario.cast.pedestrians[number].action.frame, speed)
     }
 
+    /// The place of a destination for a pedestrian; `None` in a town without any.
+    pub fn place_of(&self, destination: Destination, pedestrian: usize) -> Option<Point> {
+        destination.place(&self.scenario.town, self.actions.starts[pedestrian].pose.position())
+    }
+
     fn origin(&self, pedestrian: usize, frame: ReferenceFrame, speed: f64) -> f64 {
         let (pose, initial, place) = self.viewpoint(pedestrian);
         match frame {
             ReferenceFrame::Destination => {
                 let start = self.actions.starts[pedestrian].pose.position();
                 let destination = self.scenario.cast.pedestrians[pedestrian].action.destination;
-                walking_heading(pose.position(), destination, &self.actions.ego, start)
+                let place = destination.and_then(|destination| self.place_of(destination, pedestrian));
+                walking_heading(pose.position(), place, &self.actions.ego, start)
             }
             ReferenceFrame::Meeting => {
                 let ego = self.world.ego();

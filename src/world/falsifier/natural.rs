@@ -4,7 +4,7 @@ use super::recorded_walking::PREFERRED;
 use super::social_force::among_others;
 use super::{RecordedWalking, WalkPolicy};
 use crate::env::pursuit::across;
-use crate::env::{Pair, Scene};
+use crate::env::{Destination, Pair, Scene};
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::sim::{PedestrianBody, VehicleBlueprint, VehicleState, WalkCommand};
 use base::seed::Stream;
@@ -59,9 +59,9 @@ keys! {
         /// The time that must be left between the pedestrian, once out of the car's width, and the car: as recorded ones accepted it (DUT; median 6.4 s),
         /// or that of the Highway Capacity Manual's critical headway: 3 s as for designs (`hcm`), or 0 s, its observed mean (`hcm_observed`).
         gaps: Gaps = "recorded",
-        /// The point to which it walks, and where it stays. Without it, it walks across the way of the car. It waits for a gap only if the car's way is
-        /// between.
-        destination: Option<[f64; 2]>,
+        /// The point to which it walks, and where it stays; `bus_stop` is the stop nearest to its start. Without it, it walks across the way of the car.
+        /// It waits for a gap only if the car's way is between.
+        destination: Option<Destination>,
         /// What keeps it away from other pedestrians, walls and cars while it walks: `social` forces, as Helbing and Molnár published them (1995). Without
         /// the key nothing does.
         forces: Option<Forces>,
@@ -83,7 +83,7 @@ pub struct Natural {
     /// The probability that a pedestrian waits for a gap.
     heed: f64,
     gaps: Gaps,
-    destination: Option<Point>,
+    destination: Option<Destination>,
     forces: Option<Forces>,
     stream: Option<Stream>,
     /// One for each pedestrian that it moves.
@@ -109,8 +109,7 @@ impl Natural {
             Recording::Dut => RecordedWalking::DUT,
             Recording::Vru => RecordedWalking::VRU,
         };
-        let destination = keys.destination.map(|[x, y]| Point::new(x, y));
-        Self { gaps: keys.gaps, destination, forces: keys.forces, ..Self::new(walking, keys.heed) }
+        Self { gaps: keys.gaps, destination: keys.destination, forces: keys.forces, ..Self::new(walking, keys.heed) }
     }
 
     /// Makes one that waits for recorded gaps; `heed` is the probability that a pedestrian waits for a gap.
@@ -234,10 +233,11 @@ impl WalkPolicy for Natural {
                 let walk = self.first(scene, pedestrian);
                 self.walks.push(walk);
             }
+            let destination = self.destination.and_then(|destination| scene.place_of(destination, pedestrian));
             let walk = &mut self.walks[place];
             let stream = self.stream.as_mut().expect("an episode has started");
             walk.walking = match walk.walking {
-                None if !walk.may_go(scene, pedestrian, self.destination) => None,
+                None if !walk.may_go(scene, pedestrian, destination) => None,
                 None => Some((walk.preferred, 0.0)),
                 Some((speed, turned)) => {
                     let (faster, turn) = self.walking.change(speed - walk.preferred, turned, seconds, stream);
@@ -246,7 +246,7 @@ impl WalkPolicy for Natural {
             };
             let (low, high) = role.action.speed;
             let here = scene.world.pedestrians[pedestrian].state.pose.position();
-            let way = self.destination.map(|there| there - here);
+            let way = destination.map(|there| there - here);
             let straight = way.map_or(walk.across, |way| libm::atan2(way.y, way.x));
             let (speed, turned) = walk.walking.unwrap_or((low, 0.0));
             // It does not walk beyond its destination.

@@ -27,6 +27,8 @@ pub struct TownParts {
     pub give_way_signs: Vec<GiveWaySign>,
     /// Crosswalks: their corners in order.
     pub crosswalks: Vec<Vec<Point>>,
+    /// Bus stops: where people wait.
+    pub bus_stops: Vec<Point>,
     /// Buildings, walls, trees: everything that blocks pedestrians and sight.
     pub obstacles: Vec<OrientedBox>,
     /// What the reader of a file skipped or guessed.

@@ -57,6 +57,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
     let traffic_lights = traffic_lights::read(&mut context, root, &roads, &junctions, &network, &signals);
     let give_way_signs = give_way::read(&mut context, &roads, &network, &signals, &traffic_lights);
+    let bus_stops = signals::bus_stops(&mut context, &roads, &signals);
     let obstacles = obstacles::read(&mut context, &roads, &network);
     unused::note(&mut context, root);
     Ok(TownParts {
@@ -67,6 +68,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         traffic_lights,
         give_way_signs,
         crosswalks,
+        bus_stops,
         obstacles,
         warnings: context.into_warnings(),
         map: Some(xml.into()),

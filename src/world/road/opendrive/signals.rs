@@ -9,7 +9,7 @@ use super::attributes::{Context, child, children};
 use super::limits::{in_unit, note_odd};
 use super::obstacles::trigger;
 use super::roads::{ROUNDED, Roads, metres};
-use crate::geometry::{OrientedBox, Vector};
+use crate::geometry::{OrientedBox, Point, Vector};
 use crate::road::lane_index::{LaneFilter, LaneIndex, Lanes};
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
 use crate::road::{LaneId, LaneKind, Road, RoadIndex, SpeedSign};
@@ -20,6 +20,8 @@ const HALF_SIZE: f64 = 0.35;
 pub(super) const BESIDE: f64 = 20.0;
 /// The signal type of a speed limit.
 const SPEED_LIMIT: &str = "274";
+/// The signal type of a bus stop, as in the German road traffic regulations.
+pub(super) const BUS_STOP: &str = "224";
 
 /// An object or signal: its road, and its lanes there.
 pub(super) struct Placed<'a, 'x> {
@@ -213,6 +215,16 @@ pub(super) fn speed_signs(
         }
     }
     (found, on_lanes)
+}
+
+/// Reads bus stops: the places of signals of type 224.
+pub(super) fn bus_stops(context: &mut Context, roads: &Roads, signals: &[Signal]) -> Vec<Point> {
+    let stops = signals.iter().filter(|signal| signal.definition.attribute("type") == Some(BUS_STOP));
+    let place = |Signal { at, .. }: &Signal| {
+        let t = context.number_or_zero(at.node, "t");
+        roads.roads[at.road.0 as usize].plan_view.pose(at.s).to_world(Vector::new(0.0, t))
+    };
+    stops.map(place).collect()
 }
 
 /// The limit of a speed sign (m/s): of a signal its value in its unit, or without a value the limit of its subtype; `None` for other elements.

@@ -64,7 +64,7 @@ fn unused(node: Node, by_signs: bool) -> Option<String> {
     match (parent, node.tag_name().name()) {
         ("signals", "signal") if signals::limit(node).is_none() && !traffic_lights::is_light(node) => {
             let kind = node.attribute("type").unwrap_or("none");
-            if GiveWay::of_signal(kind).is_some() {
+            if GiveWay::of_signal(kind).is_some() || kind == signals::BUS_STOP {
                 return None;
             }
             let name = SIGNALS.iter().find(|(number, _)| *number == kind);
