@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_540),
     ("src/learn", 5_613),
-    ("src/world", 38_646),
+    ("src/world", 38_706),
     ("src/ported", 4_642),
     ("src/lang", 6_545),
     ("src/compile", 8_385),

@@ -3,7 +3,7 @@ use super::give_way::GiveWayMemory;
 use super::lane_keeping::Demand;
 use super::path::HORIZON;
 use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
-use crate::geometry::{Point, wrap_angle};
+use crate::geometry::{Point, Pose, wrap_angle};
 use crate::sim::{Control, LightColour};
 use base::keys;
 use base::seed::Stream;
@@ -103,14 +103,18 @@ impl Idm {
         let chords = Chords::new(&self.path, ego.pose.position());
         let here = ego.pose.position();
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
+        // Of the bodies, only one that is nearer than those before it matters.
+        let mut nearest = f64::INFINITY;
         let bodies = actors.filter_map(|actor| {
-            let (along, heading) = chords.place(&self.path, actor.pose.position(), corridor + actor.half.y)?;
+            let (place, within) = (actor.pose.position(), nearest + ego.half.x + actor.half.x);
+            let (along, chord) = chords.place(&self.path, place, corridor + actor.half.y, within)?;
             let gap = along - ego.half.x - actor.half.x;
             // Few are in the corridor, and sight takes longer to find out.
             if gap <= -ego.half.x || !perception.in_sight(actor) {
                 return None;
             }
-            let speed = actor.velocity.dot(&crate::geometry::Vector::new(libm::cos(heading), libm::sin(heading)));
+            nearest = nearest.min(gap.max(0.0));
+            let speed = actor.velocity.dot(&chord.forward());
             Some(Leader { gap: gap.max(0.0), speed: speed.max(0.0), kind: LeaderKind::RoadUser })
         });
         let lights = perception.lights.iter().filter(|light| light.colour == LightColour::Red).filter_map(|light| {
@@ -118,8 +122,8 @@ impl Idm {
             if (line - here).norm_squared() > 40.0 * 40.0 {
                 return None;
             }
-            let (along, heading) = chords.place(&self.path, line, 1.0)?;
-            let same_way = wrap_angle(heading - light.trigger.yaw).abs() < 1.0;
+            let (along, chord) = chords.place(&self.path, line, 1.0, f64::INFINITY)?;
+            let same_way = wrap_angle(chord.yaw - light.trigger.yaw).abs() < 1.0;
             (same_way && along > 0.0).then_some(Leader {
                 gap: (along - ego.half.x + 1.0).max(0.0),
                 speed: 0.0,
@@ -153,11 +157,12 @@ impl Chords {
         chords
     }
 
-    /// How far along the path from abeam the ego a place is, and the path's heading there; `None` if it is more than `beside` (m) from the path.
-    fn place(&self, path: &Path, place: Point, beside: f64) -> Option<(f64, f64)> {
+    /// How far along the path from abeam the ego a place is, and the start of its chord; `None` if it is more than `beside` (m) from the path, or
+    /// clearly farther along it than `within` (m).
+    fn place(&self, path: &Path, place: Point, beside: f64, within: f64) -> Option<(f64, Pose)> {
         let reach = beside + 1.05 * self.longest;
-        let mut number = 0;
-        while number + 1 < path.points().len() {
+        let mut number = path.first_near(place, beside, reach);
+        while number + 1 < path.points().len() && self.along[number] <= within + self.longest {
             let (last, next) = (&path.point(number).pose, &path.point(number + 1).pose);
             let (chord, offset) = (next.position() - last.position(), place - last.position());
             let away = offset.norm() - reach;
@@ -171,7 +176,7 @@ impl Chords {
             let aside = chord.perp(&offset) / length;
             // A little overlap closes the wedges at the outside of bends.
             if (-0.05..1.05).contains(&share) && aside.abs() <= beside {
-                return Some((self.along[number] + share * length, last.yaw));
+                return Some((self.along[number] + share * length, *last));
             }
             number += 1;
         }
@@ -196,6 +201,10 @@ impl DrivingPolicy for Idm {
         let braking = self.keys.comfortable_braking;
         let limit = lane_keeping::speed_for_limits(&self.path, perception, self.keys.limit_share, braking);
         let wanted = lane_keeping::speed_for_bends(&self.path, limit, LATERAL, braking);
+        // For fewer actors it costs more than it saves.
+        if perception.pedestrians.len() + perception.vehicles.len() > 3 {
+            self.path.find_straight();
+        }
         let leader = self.leader(perception);
         let steer = lane_keeping::steer(&self.path, perception);
         if let Some(leader) = leader.filter(|leader| leader.kind == LeaderKind::RoadUser) {

@@ -1,7 +1,7 @@
 use std::collections::VecDeque;
 
 use super::Perception;
-use crate::geometry::{Point, Pose, wrap_angle};
+use crate::geometry::{Point, Pose, Vector, wrap_angle};
 use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town};
 use base::seed::Stream;
 
@@ -16,9 +16,14 @@ pub struct Path {
     points: VecDeque<RoutePoint>,
     /// From each point to the next.
     steps: VecDeque<Step>,
+    /// The first point, the unit vector to the second, and the number of the last point before the line through them is left.
+    straight: Option<(Point, Vector, usize)>,
     walk: RandomWalk,
     stream: Option<Stream>,
 }
+
+/// How far beside that line a point is still on it (m).
+const BEND: f64 = 0.1;
 
 /// The way from a point of a path to the next: its length (m), and the change of heading without its sign (rad).
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +37,7 @@ impl Default for Path {
         Self {
             points: VecDeque::with_capacity(HORIZON + 1),
             steps: VecDeque::with_capacity(HORIZON + 1),
+            straight: None,
             walk: RandomWalk::new(ForkRule::AnyBranch),
             stream: None,
         }
@@ -43,6 +49,7 @@ impl Path {
     pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.points.clear();
         self.steps.clear();
+        self.straight = None;
         self.stream = Some(stream);
         self.walk.take(perception.route);
         self.points.extend(
@@ -62,6 +69,7 @@ impl Path {
         while self.points.len() > 1 && nearer(&self.points[1].pose, &self.points[0].pose, here) {
             self.points.pop_front();
             self.steps.pop_front();
+            self.straight = None;
         }
         self.extend(perception.town);
     }
@@ -90,6 +98,26 @@ impl Path {
     /// Whether the road ends within the path.
     pub fn ends(&self) -> bool {
         self.points.len() < HORIZON
+    }
+
+    /// Prepares [`Path::first_near`], which finds the same without it, and not as fast.
+    pub(super) fn find_straight(&mut self) {
+        let Some(next) = self.points.get(1).filter(|_| self.straight.is_none()) else { return };
+        let start = self.points[0].pose.position();
+        let ahead = (next.pose.position() - start).try_normalize(1e-9).unwrap_or_default();
+        let is_off = |point: &RoutePoint| {
+            let way = point.pose.position() - start;
+            ahead.perp(&way).abs() > BEND || ahead.dot(&way) < 0.0
+        };
+        let straight = self.points.iter().position(is_off).unwrap_or(self.points.len());
+        self.straight = Some((start, ahead, straight - 1));
+    }
+
+    /// The number of a point before which no chord, with a little overlap, is as near to a place as this beside it (m), or behind it (m).
+    pub(super) fn first_near(&self, place: Point, beside: f64, behind: f64) -> usize {
+        let Some((start, ahead, last)) = self.straight else { return 0 };
+        let offset = place - start;
+        if ahead.perp(&offset).abs() > beside + 2.0 * BEND || ahead.dot(&offset) < -behind { last } else { 0 }
     }
 
     fn extend(&mut self, town: &Town) {

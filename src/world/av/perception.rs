@@ -139,6 +139,8 @@ impl Perception<'_> {
 #[derive(Debug, Clone, Default)]
 pub struct PerfectSensors {
     pedestrians: Vec<Actor>,
+    /// All vehicles of the world, and those that a driver perceives.
+    all: Vec<Actor>,
     vehicles: Vec<Actor>,
     lights: Vec<Light>,
 }
@@ -146,6 +148,12 @@ pub struct PerfectSensors {
 impl PerfectSensors {
     /// Perceives a world exactly and at once, as the driver of the vehicle with this number.
     pub fn perceive<'a>(&'a mut self, world: &'a World, vehicle: usize) -> Perception<'a> {
+        self.look(world);
+        self.seen_by(world, vehicle)
+    }
+
+    /// Looks at a world, for the drivers of all its vehicles.
+    pub fn look(&mut self, world: &World) {
         self.pedestrians.clear();
         let present = (0..).zip(&world.pedestrians).filter(|(_, pedestrian)| pedestrian.is_present);
         self.pedestrians.extend(present.map(|(number, pedestrian)| Actor {
@@ -155,22 +163,26 @@ impl PerfectSensors {
             half: pedestrian.body.half(),
             height: pedestrian.body.half_height,
         }));
-        let driven = |number: usize| Actor::of_vehicle(number as u8, &world.vehicles[number]);
-        self.vehicles.clear();
-        let others =
-            (0..world.vehicles.len()).filter(|number| *number != vehicle && world.vehicles[*number].is_present);
-        self.vehicles.extend(others.map(driven));
+        self.all.clear();
+        self.all.extend((0..).zip(&world.vehicles).map(|(number, vehicle)| Actor::of_vehicle(number, vehicle)));
         self.lights.clear();
         if let Some(clock) = world.light_clock() {
             let lamps = world.town.traffic_lights.iter();
             self.lights.extend(lamps.map(|lamp| Light { trigger: lamp.stop, colour: clock.colour(lamp) }));
         }
+    }
+
+    /// What the driver of a vehicle perceives of the world that was last looked at.
+    pub fn seen_by<'a>(&'a mut self, world: &'a World, vehicle: usize) -> Perception<'a> {
+        self.vehicles.clone_from(&self.all);
+        let is_seen = |number: usize| number != vehicle && world.vehicles[number].is_present;
+        self.vehicles.retain(|actor| is_seen(actor.id.number()));
         Perception {
             town: &world.town,
             blueprint: &world.vehicles[vehicle].blueprint,
             tick: world.run_up + world.ticks,
             dt: world.dt,
-            ego: driven(vehicle),
+            ego: self.all[vehicle],
             speed_limit: world.speed_limit(vehicle),
             signed_limit: Some(world.vehicles[vehicle].speed_limit),
             route: &[],

@@ -40,6 +40,7 @@ impl Drivers {
 
     /// The speed at which an average driver would be at the start of the run-up (m/s).
     pub(super) fn cruising_speed(&mut self, world: &World, run_up: &RunUp, stream: Stream) -> f64 {
+        self.sensors.look(world);
         let perception = perceive(&mut self.sensors, self.held_limit, world, run_up, 0);
         self.path.reset(&perception, stream);
         cruising_speed(&self.path, &perception).min(run_up.speed)
@@ -54,6 +55,7 @@ impl Drivers {
 
     /// Lets the driver of a vehicle begin anew.
     pub(super) fn reset_one(&mut self, vehicle: usize, world: &World, run_up: &RunUp, actions: &mut Actions) {
+        self.sensors.look(world);
         let perception = perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle);
         let policy = &mut self.policies[vehicle];
         policy.reset(&perception, of_driver(&self.seed, vehicle).stream());
@@ -68,6 +70,7 @@ impl Drivers {
     }
 
     pub(super) fn prepare(&mut self, world: &World, run_up: &RunUp) {
+        self.sensors.look(world);
         for (vehicle, policy) in
             self.policies.iter_mut().enumerate().filter(|(own, _)| world.vehicles[*own].is_driven())
         {
@@ -78,6 +81,7 @@ impl Drivers {
     /// Asks every driver for the next tick; returns the fault of the first that fails.
     #[inline]
     pub(super) fn drive(&mut self, world: &World, run_up: &RunUp, actions: &mut Actions) -> Option<Fault> {
+        self.sensors.look(world);
         let chosen = actions.controls.iter_mut().zip(&mut actions.modes);
         let all = self.policies.iter_mut().zip(chosen).enumerate();
         for (vehicle, (policy, (control, mode))) in all.filter(|(own, _)| world.vehicles[*own].is_driven()) {
@@ -111,7 +115,7 @@ impl Drivers {
     }
 }
 
-/// What the driver of a vehicle perceives: in the run-up the ego has the way to take, afterwards the stated turns.
+/// What the driver of a vehicle perceives of the world that was last looked at: in the run-up the ego has the way to take, afterwards the stated turns.
 #[inline]
 fn perceive<'a>(
     sensors: &'a mut PerfectSensors,
@@ -120,7 +124,7 @@ fn perceive<'a>(
     run_up: &'a RunUp,
     vehicle: usize,
 ) -> Perception<'a> {
-    let mut perception = sensors.perceive(world, vehicle);
+    let mut perception = sensors.seen_by(world, vehicle);
     if let Some(limit) = held_limit.filter(|_| vehicle == 0) {
         (perception.speed_limit, perception.signed_limit) = (limit, None);
     }

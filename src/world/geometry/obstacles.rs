@@ -99,6 +99,11 @@ impl Obstacles {
             return centre;
         }
         for (obstacle, shape) in self.between(centre - reach, centre + reach) {
+            // Most parked vehicles are far away.
+            let around = obstacle.half.sum() + radius + MARGIN;
+            if (obstacle.pose.position() - centre).norm_squared() > around * around {
+                continue;
+            }
             let local = obstacle.pose.to_local(centre);
             let projection = shape.project_local_point(single(local), false);
             let surface = Vector::new(f64::from(projection.point.x), f64::from(projection.point.y));
@@ -161,9 +166,9 @@ impl Obstacles {
         if self.is_empty() {
             return false;
         }
-        let mut others = self.parked.iter().filter(|(parked, _)| parked.distance_to(to) > 0.0);
+        let mut others = self.parked.iter();
         self.fixed_between(from.inf(&to), from.sup(&to)).any(|each| hides(each, from, to))
-            || others.any(|each| hides(each, from, to))
+            || others.any(|each| hides(each, from, to) && each.0.distance_to(to) > 0.0)
     }
 }
 

@@ -56,11 +56,13 @@ impl OrientedBox {
 
     /// The shortest vector from this box to a corner of another one.
     fn way_to_corners(&self, other: &Self) -> Vector {
+        let (here, [ahead, left]) = (self.pose.position(), self.pose.axes());
         let way = |corner: Point| {
-            let local = self.pose.to_local(corner);
+            let offset = corner - here;
+            let local = Vector::new(ahead.dot(&offset), left.dot(&offset));
             let nearest =
                 Vector::new(local.x.clamp(-self.half.x, self.half.x), local.y.clamp(-self.half.y, self.half.y));
-            corner - self.pose.to_world(nearest)
+            corner - (here + ahead * nearest.x + left * nearest.y)
         };
         let [first, others @ ..] = other.corners().map(way);
         let shorter = |a: Vector, b: Vector| if b.norm_squared() < a.norm_squared() { b } else { a };

@@ -39,17 +39,17 @@ impl Pose {
 
     /// The unit vector along the heading.
     pub fn forward(&self) -> Vector {
-        Vector::new(libm::cos(self.yaw), libm::sin(self.yaw))
+        self.axes()[0]
     }
 
     /// The unit vector to the left of the heading.
     pub fn left(&self) -> Vector {
-        Vector::new(-libm::sin(self.yaw), libm::cos(self.yaw))
+        self.axes()[1]
     }
 
     /// The unit vectors along the heading and to the left of it.
     pub fn axes(&self) -> [Vector; 2] {
-        let (cos, sin) = (libm::cos(self.yaw), libm::sin(self.yaw));
+        let (sin, cos) = libm::sincos(self.yaw);
         [Vector::new(cos, sin), Vector::new(-sin, cos)]
     }
 

@@ -138,8 +138,8 @@ impl PedestrianState {
 
     /// Simulates one tick; the pedestrian slides along obstacles.
     pub fn step(&self, command: WalkCommand, body: &PedestrianBody, obstacles: &Obstacles, dt: f64) -> Self {
-        let wanted = Vector::new(libm::cos(command.heading), libm::sin(command.heading));
-        let velocity = body.gait.velocity(self.velocity, wanted, command.speed, dt);
+        let (sin, cos) = libm::sincos(command.heading);
+        let velocity = body.gait.velocity(self.velocity, Vector::new(cos, sin), command.speed, dt);
         // Steps are shorter than the body, so that no pedestrian walks through a thin wall.
         let steps = (velocity.norm() * dt / body.radius).ceil().max(1.0);
         let (from, part) = (self.pose.position(), velocity * (dt / steps));
