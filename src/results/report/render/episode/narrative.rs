@@ -304,6 +304,6 @@ pub fn reference_lines(verdict: &Verdict) -> impl Iterator<Item = String> {
                 _ => format!("collides at {speed:.1} m/s, no slower"),
             },
         };
-        format!("  {:<31} {fared}", format!("{} (`{}`)", reference.in_words(), reference.name()))
+        format!("  {:<32} {fared}", format!("{} (`{}`)", reference.in_words(), reference.name()))
     })
 }
