@@ -34,7 +34,7 @@ train() {
       names="$names, $name"
     done
     echo "campaign school {"
-    echo "  vehicle: model3  body: walker  spawn: ahead_of_a_moving_car  episode: until_passed  training: driving"
+    echo "  vehicle: model3  body: person  spawn: ahead_of_a_moving_car  episode: until_passed  training: driving"
     echo "  drive { towns: [harbour, village, town01_outline]  imitates: idm  pedestrians: [$names]  demonstrations: $demonstrations }"
     echo "}"
   } > "$out/$1.scn"

@@ -99,7 +99,7 @@ fn document(episode: &Episode, ego: EgoDriver) -> String {
     let lights = lights(episode, lanes.len());
     let id = benchmark_id(episode.name, ego);
     let dt = Short(episode.dt());
-    let source = episode.summary();
+    let source = format!("{}; approximated: {}", episode.summary(), CommonRoad.approximates());
     Xml::document(
         "commonRoad",
         &[

@@ -65,7 +65,9 @@ impl Exporter for Foxglove {
 
     fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
         let mut recording = Recording::new();
-        recording.metadata("falsify", &[("episode", episode.name), ("summary", &episode.summary())]);
+        let about =
+            [("episode", episode.name), ("summary", &*episode.summary()), ("approximated", self.approximates())];
+        recording.metadata("falsify", &about);
         let scene = scene_schema();
         let town = open(&mut recording, "/town", "foxglove.SceneUpdate", &scene);
         let moving = open(&mut recording, "/actors", "foxglove.SceneUpdate", &scene);

@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_540),
     ("src/learn", 5_613),
-    ("src/world", 38_706),
+    ("src/world", 38_708),
     ("src/ported", 4_642),
-    ("src/lang", 6_545),
-    ("src/compile", 8_385),
+    ("src/lang", 6_548),
+    ("src/compile", 8_390),
     ("src/process", 876),
-    ("src/export", 3_856),
-    ("src/results", 26_862),
-    ("src/program", 13_023),
-    ("tests", 29_967),
+    ("src/export", 3_858),
+    ("src/results", 26_899),
+    ("src/program", 13_053),
+    ("tests", 29_968),
 ];
 
 /// Crates that only some places may name.

@@ -230,6 +230,7 @@ fn every_method_searches_for_violations_of_its_goal() {
         &[],
         &Failures::default(),
         finished.all::<results::jobs::SearchResult>(),
+        &[],
     );
     let counted = of_driver[0].searched.unwrap();
     let count = |blame| {

@@ -13,6 +13,11 @@ use world::env::{MapPart, RewardRule};
 use world::requirement::NamedRequirement;
 use world::road::FIRST_LIMIT;
 
+/// What follows where a town has nothing of what is asked.
+const NOTHING: &str = "its result there says nothing";
+/// The same for a walk to a bus stop.
+const CROSSES: &str = "there it crosses the road";
+
 /// How much faster than the highest speed limit of its towns a car may be expected to drive.
 const ABOVE_LIMIT: f64 = 1.5;
 
@@ -69,7 +74,7 @@ impl Lowering<'_> {
             let drivers = drivers.map(|driver| (block.head, driver.name.clone()));
             let found: Vec<_> = requirements.chain(asked).chain(rewards).chain(end).chain(drivers).collect();
             for (place, name) in found {
-                self.said.push(diagnostics::never_applies(place, &name, part.name, &without));
+                self.said.push(diagnostics::never_applies(place, &name, part.name, &without, NOTHING));
             }
         }
     }
@@ -82,7 +87,7 @@ impl Lowering<'_> {
         for id in reached_by(self.program, block).into_iter().filter(|_| !without.is_empty()) {
             let walker = self.program.get(id);
             if walker.block.arguments.iter().any(to_stop) {
-                self.said.push(diagnostics::never_applies(block.head, &walker.name, "bus stops", &without));
+                self.said.push(diagnostics::never_applies(block.head, &walker.name, "bus stops", &without, CROSSES));
             }
         }
     }

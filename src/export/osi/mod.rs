@@ -39,7 +39,7 @@ impl Exporter for Osi {
     fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
         let map = opendrive::map_file(&episode.scenario.town)?;
         let mut recording = Recording::new();
-        let description = episode.summary();
+        let description = format!("{}; approximated: {}", episode.summary(), self.approximates());
         recording.metadata(
             "net.asam.osi.trace",
             &[

@@ -163,10 +163,11 @@ pub fn fast_bend(span: Span, in_junction: bool, limit: f64, radius: f64, [latera
 }
 
 /// A requirement, a reward or a driver is about a part that these towns do not have.
-pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str]) -> Diagnostic {
+/// `here` says what follows.
+pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str], here: &str) -> Diagnostic {
     let towns = towns.iter().map(|town| format!("`{town}`")).collect::<Vec<_>>().join(", ");
     Diagnostic::warning("never-applies", span, format!("`{name}` is about {part}, and there are none in {towns}"))
-        .here("its result there says nothing")
+        .here(here)
         .help(format!("use a town with {part}"))
 }
 

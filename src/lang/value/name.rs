@@ -20,7 +20,9 @@ pub(super) fn choice(
     };
     let known = words.iter().find(|known| *known == word);
     if known.is_none() {
-        diagnostics.push(diagnostics::unknown_choice(expression.span, word, words));
+        let said = diagnostics::unknown_choice(expression.span, word, words);
+        let is_place = matches!(ty, Type::WordOrPoint(_));
+        diagnostics.push(if is_place { said.help("or write a point of the town: `(10 m, 20 m)`") } else { said });
     }
     known.map(|known| Value::Choice(known))
 }

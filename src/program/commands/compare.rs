@@ -96,7 +96,7 @@ pub fn compare(options: &CompareArgs) -> Ended {
     match options.format {
         Form::Text => {
             let text = report::change_text(&report::comparison_report(&comparison), MAX_SHOWN, console::width());
-            console::say(text.trim_end());
+            console::say(console::broken(&text, console::width()).trim_end());
         }
         Form::Json => console::say(&as_json(&comparison).to_string()),
     }

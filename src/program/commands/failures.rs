@@ -162,6 +162,8 @@ pub struct FoundFailure {
     /// The folder of the report.
     pub report: PathBuf,
     pub failure: Failure,
+    /// Whether its driver sees no pedestrians.
+    pub is_of_baseline: bool,
     /// The number of failures that shrink to it, itself included; 1 if they are not merged.
     pub merged: usize,
 }
@@ -219,7 +221,7 @@ impl KnownWords {
 }
 
 impl Session {
-    /// Lists the failures of reports, of evaluations and searches alike.
+    /// Lists the failures of reports, of evaluations and searches alike; those of drivers that see no pedestrians come last.
     ///
     /// # Errors
     /// No report is there, a table is damaged, or the options name a driver, a pedestrian or a kind that no report has.
@@ -233,8 +235,10 @@ impl Session {
                 let failures = report.failures()?;
                 known.add(&report, &failures)?;
                 let listed = failures.into_iter().filter(|failure| options.allows(failure));
+                let baselines = &report.manifest().baselines;
                 found.extend(listed.map(|failure| FoundFailure {
                     report: report.folder().to_path_buf(),
+                    is_of_baseline: baselines.contains(&failure.key.cell.policy),
                     failure,
                     merged: 1,
                 }));
@@ -243,7 +247,7 @@ impl Session {
         if found.is_empty() {
             known.check(options)?;
         }
-        found.sort_by(|a, b| a.failure.counts_more(&b.failure));
+        found.sort_by(|a, b| a.is_of_baseline.cmp(&b.is_of_baseline).then_with(|| a.failure.counts_more(&b.failure)));
         if options.distinct { self.merged(found, options) } else { Ok(found) }
     }
 
@@ -297,7 +301,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
     let mut listed: Vec<ListedFailure> = found
         .into_iter()
         .take(shown)
-        .map(|FoundFailure { report, failure, merged }| ListedFailure {
+        .map(|FoundFailure { report, failure, merged, .. }| ListedFailure {
             report,
             failure,
             merged: options.distinct.then_some(merged as u64),

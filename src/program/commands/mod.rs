@@ -109,7 +109,7 @@ pub enum Command {
     /// Let a new version of a driver meet old failures again, and a fixed list of episodes.
     #[command(after_help = recheck::EXAMPLES)]
     Recheck(recheck::RecheckArgs),
-    /// List failures, those that count most against a driver first.
+    /// List failures, those that count most against a driver first, baselines last.
     #[command(after_help = failures::EXAMPLES)]
     Failures(failures::FailuresArgs),
     /// Shrink failures: the same failure with the fewest commands of the pedestrian, nearest to a natural walk.
@@ -158,13 +158,7 @@ impl Command {
     /// The exit code of a failure whose message is printed.
     pub fn run(self) -> Ended {
         // These may have started programs, which must not outlive them. Others with programs have handlers of their own.
-        if let Self::Replay(_)
-        | Self::Shrink(_)
-        | Self::Failures(_)
-        | Self::Export(_)
-        | Self::Compare(_)
-        | Self::Recheck(_) = self
-        {
+        if let Self::Replay(_) | Self::Shrink(_) | Self::Failures(_) | Self::Export(_) | Self::Compare(_) = self {
             interrupt::end_when_asked();
         }
         match self {

@@ -13,10 +13,10 @@ use super::causes::MAX_TOLD;
 use super::compare::{Form, changes};
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
-use crate::cli::console;
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::{Reporter, session};
 use crate::cli::progress::Showing;
+use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::seconds;
 use driver_pairs::DriverPair;
@@ -50,7 +50,7 @@ Examples:
                                              block what hits faster, and what injures more
 
 Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5 a driver, a pedestrian or the world failed as a program
-  7 a --fail-if condition is true, and nothing failed as a program";
+  7 a --fail-if condition is true, and nothing failed as a program   130 stopped by Ctrl-C: what was met up to then is shown";
 
 /// Options of `falsify recheck`.
 #[derive(Debug, Args)]
@@ -111,6 +111,7 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
     check_starts(options)?;
     let reporter = Arc::new(Reporter::new(options.progress));
+    interrupt::listen();
     let session = session(options.repeat.allow_external).with_observer(reporter.clone());
     let recheck = session.recheck(options).map_err(failed);
     reporter.end();
@@ -118,7 +119,7 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     match options.format {
         Form::Text => {
             let text = report::change_text(&report::recheck_report(&recheck), MAX_SHOWN, console::width());
-            console::say(text.trim_end());
+            console::say(console::broken(&text, console::width()).trim_end());
         }
         Form::Json => console::say(&as_json(&recheck).to_string()),
     }
@@ -126,6 +127,9 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
         let page = report::change_page(&report::recheck_report(&recheck), &[]);
         report::write_file(path, page.as_bytes()).map_err(unwritten)?;
         console::note(&path.display().to_string());
+    }
+    if recheck.notes.contains(&RecheckNote::Stopped) {
+        return Ok(ExitCode::Interrupted);
     }
     let judged = judge(&conditions, &recheck);
     let errors = recheck.errors();

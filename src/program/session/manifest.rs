@@ -63,6 +63,7 @@ impl Session {
                 .map(|training| record(training, campaign, times))
                 .collect(),
             runs: campaign.jobs.iter().filter_map(RunRecord::of).collect(),
+            baselines: baselines(campaign),
             programs,
             // They are not written yet.
             report_files: Vec::new(),
@@ -104,6 +105,11 @@ impl Session {
             allow_external: self.catalog.starts_programs(),
         }
     }
+}
+
+/// The names of the drivers that see no pedestrians.
+fn baselines(campaign: &Campaign) -> Vec<String> {
+    campaign.drivers.iter().filter(|driver| driver.sees_no_pedestrians()).map(|driver| driver.name.clone()).collect()
 }
 
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {

@@ -44,7 +44,7 @@ impl Session {
             self.notice(&Notice::Note(format!("seed {seed}, {} of {all}", place + 1)));
             planned.plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(seed));
             run.campaigns.extend(self.run_campaigns(&of_seed(seed), &planned, Work::All)?);
-            run.interrupted = self.stop.is_asked();
+            run.interrupted = self.is_stopped();
             if run.interrupted {
                 break;
             }
@@ -82,7 +82,7 @@ impl Session {
 
     pub(crate) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
         let campaigns = self.run_campaigns(options, planned, work)?;
-        let run = RunReport { campaigns, interrupted: self.stop.is_asked(), overview: None };
+        let run = RunReport { campaigns, interrupted: self.is_stopped(), overview: None };
         let overview = write_overview(options, &run)?;
         Ok(RunReport { overview, ..run })
     }
@@ -118,7 +118,7 @@ impl Session {
             let outcome = pool.install(|| run.carry_out())?;
             self.tell(Event::Ended(&outcome));
             campaigns.push(outcome);
-            if self.stop.is_asked() {
+            if self.is_stopped() {
                 break;
             }
         }

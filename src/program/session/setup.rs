@@ -53,4 +53,9 @@ impl Session {
     pub fn with_stop(self, stop: Arc<Stop>) -> Self {
         Self { stop, ..self }
     }
+
+    /// Whether the user asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.is_asked()
+    }
 }

@@ -48,7 +48,8 @@ impl<'a> Findings<'a> {
         assert!(cells.iter().map(|cell| &cell.key).eq(keys), "a bug: cells and their evidence are in one order");
         let searches = search_cells(finished.all::<SearchResult>());
         let layers = layer_cells(campaign, finished.all::<SearchResult>());
-        let mut drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>());
+        let results = finished.all::<SearchResult>();
+        let mut drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, results, &gathered.tests);
         if !layers.is_empty() {
             // The cases of a test are no sample of episodes.
             let searched = drivers.iter_mut().filter_map(|result| result.searched.as_mut());

@@ -41,14 +41,13 @@ pub struct Manifest {
     /// The scenario files and the files that they name, in the order they were read.
     pub files: Vec<ScenarioFile>,
     pub trainings: Vec<TrainingRecord>,
-    /// The other jobs that were asked for, in the order of the plan. Reports of earlier versions have none.
-    #[serde(default)]
+    /// The other jobs that were asked for, in the order of the plan.
     pub runs: Vec<RunRecord>,
-    /// The programs of the user that drive or walk. Reports of earlier versions have none.
-    #[serde(default)]
+    /// The drivers that see no pedestrians.
+    pub baselines: Vec<String>,
+    /// The programs of the user that drive or walk.
     pub programs: Vec<ProgramRecord>,
-    /// The other files of the report, by their paths in it. Reports of earlier versions have none.
-    #[serde(default)]
+    /// The other files of the report, by their paths in it.
     pub report_files: Vec<FileRecord>,
 }
 
@@ -99,7 +98,6 @@ pub struct RunRecord {
     /// Digest of what the files and settings say about it, without its training.
     pub fingerprint: String,
     /// Number of its block in the campaign, from 0.
-    #[serde(default)]
     pub block: u32,
     /// The model of the car and the body of the pedestrian of an evaluation; empty of other jobs.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -125,7 +123,6 @@ pub struct ProgramRecord {
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub version: String,
     /// Whether the report holds these files, in `programs/NAME`.
-    #[serde(default)]
     pub is_held: bool,
     /// BLAKE3 of the files that the scenario declares, by their paths relative to the folder of the scenario.
     pub files: BTreeMap<String, String>,
@@ -175,8 +172,7 @@ pub struct TrainingRecord {
     pub pedestrian: String,
     /// The error; empty without one.
     pub error: String,
-    /// Digest of what the files and settings say about it. Reports of earlier versions have none.
-    #[serde(default)]
+    /// Digest of what the files and settings say about it.
     pub fingerprint: String,
 }
 

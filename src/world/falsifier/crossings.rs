@@ -13,21 +13,23 @@ use base::seed::Seed;
 ///
 /// The run-up of a start is driven once where the drivers can be copied, and a driver that is faster in a batch meets one crossing from
 /// several starts at once. That changes no outcome. An episode without a result is one that was not run, since the driver or the
-/// controller had failed as a program in ten episodes in a row.
+/// controller had failed as a program in ten episodes in a row, or `observer`, which is called after each, broke.
 pub fn evaluate_crossings<T>(
     goals: &[Goal],
     scenario: &Arc<Scenario>,
     starts: Range<u32>,
     seed: Seed,
     note: &mut dyn FnMut(&Outcome, &Trace) -> T,
+    observer: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Vec<Option<T>> {
     let mut simulation = scenario.simulation();
     let mut notes: Vec<Option<T>> = (0..starts.len() * goals.len()).map(|_| None).collect();
     if simulation.batch_size() > 1 {
         for (place, goal) in goals.iter().enumerate() {
             let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| note(outcome, trace);
-            let (mut crossing, go_on) = (Crossing::new(*goal), &mut |_| ControlFlow::Continue(()));
-            let noted = evaluate_observed(&mut crossing, scenario, starts.clone(), &seed, &seed, note, go_on);
+            let mut crossing = Crossing::new(*goal);
+            let noted =
+                evaluate_observed(&mut crossing, scenario, starts.clone(), &seed, &seed, note, &mut |_| observer());
             let (reached, all) = (noted.len(), starts.len());
             for (start, noted) in noted.into_iter().enumerate() {
                 notes[start * goals.len() + place] = Some(noted);
@@ -56,7 +58,7 @@ pub fn evaluate_crossings<T>(
             let outcome = outcome.expect("our simulator ends every episode");
             *slots.next().expect("there is a slot for every episode") = Some(note(&outcome, &trace));
             faults.count(outcome.fault());
-            if faults.hopeless().is_some() {
+            if observer().is_break() || faults.hopeless().is_some() {
                 return notes;
             }
         }

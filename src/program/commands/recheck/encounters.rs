@@ -166,14 +166,15 @@ fn encounter(failure: &Failure, before: Option<Met>, after: Met, incident: Optio
     Encounter { name: failure.name(), start: failure.start, crossing: 0, before, after, incident }
 }
 
-/// Both drivers in all of these crossings from the first starts; without `before` the new driver alone. `played` is called after each episode.
+/// Both drivers in all of these crossings from the first starts; without `before` the new driver alone. `played` is called after each episode, and
+/// may break; then the others are in error.
 pub(super) fn cross(
     goals: &[Goal],
     before: Option<&Arc<Scenario>>,
     after: &Arc<Scenario>,
     starts: u32,
     seed: Seed,
-    played: &(dyn Fn() + Sync),
+    played: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Encounters {
     let count = starts.min(rayon::current_num_threads() as u32);
     let parts: Vec<u32> = (0..count).collect();
@@ -182,10 +183,9 @@ pub(super) fn cross(
         let edge = |part: u32| (u64::from(part) * u64::from(starts) / u64::from(count)) as u32;
         let note = &mut |outcome: &Outcome, trace: &Trace| {
             let met = end(scenario, outcome, trace);
-            played();
             (outcome.start, met, if met.fault { recorded_commands(trace) } else { Vec::new() })
         };
-        let ends = evaluate_crossings(goals, scenario, edge(part)..edge(part + 1), seed, note);
+        let ends = evaluate_crossings(goals, scenario, edge(part)..edge(part + 1), seed, note, &mut || played());
         ends.into_iter().map(|end| end.unwrap_or((0, Met::error(), Vec::new()))).collect()
     };
     let all = |scenario: &Arc<Scenario>| -> Vec<(u64, Met, Vec<WalkCommand>)> {

@@ -1,4 +1,5 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -58,6 +59,7 @@ impl Session {
         let failures = sides.meet_failures(&pairs, options, self, &mut notes)?;
         let setups = sides.crossed_setups(&pairs, options, &mut notes)?;
         let crossings = sides.cross_all(&setups, options.starts.unwrap_or(STARTS), self, &mut notes);
+        notes.extend(self.is_stopped().then_some(RecheckNote::Stopped));
         let report = options.report.clone();
         let files = options.files.clone();
         let mut recheck = Recheck { report, files, notes, failures, crossings };
@@ -135,6 +137,7 @@ impl<'a> Tally<'a> {
     }
 
     /// Meets failures, until a program has failed in ten in a row: those that then are under way are met, and the others are walked by these, and not run.
+    /// Has only the first ones when the user stops.
     fn meet(
         &mut self,
         failures: &[Failure],
@@ -143,6 +146,9 @@ impl<'a> Tally<'a> {
     ) -> Vec<MetAgain> {
         let mut met = Vec::with_capacity(failures.len());
         for part in failures.chunks(TOGETHER) {
+            if self.goes_on().is_break() {
+                break;
+            }
             let is_over = self.errors >= MAX_ERRORS;
             let tally = &*self;
             let again = parallel::map(part, |failure| {
@@ -160,6 +166,11 @@ impl<'a> Tally<'a> {
             met.extend(again);
         }
         met
+    }
+
+    /// Breaks when the user asks to stop.
+    fn goes_on(&self) -> ControlFlow<()> {
+        if self.session.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn add(&self) {
@@ -406,6 +417,9 @@ impl Sides {
         let tally = Tally::new(session, Stage::Crossings, all);
         for (pair, setup) in setups {
             let row = self.cross(pair, setup, &goals, starts, &tally);
+            if session.is_stopped() {
+                break;
+            }
             other_start += of_setup - row.encounters.0.len() as u64;
             rows.push(row);
         }
@@ -433,7 +447,10 @@ impl Sides {
             world: self.new_world(world).to_owned(),
             setup: *number,
             crossings: goals.len() as u64,
-            encounters: cross(goals, before, &with_driver(scenario, new), starts, seed, &|| tally.add()),
+            encounters: cross(goals, before, &with_driver(scenario, new), starts, seed, &|| {
+                tally.add();
+                tally.goes_on()
+            }),
             holm: None,
         }
     }

@@ -1,9 +1,10 @@
 use std::cmp::Ordering;
 
 use super::search_figures::Figures;
-use super::{Cell, Failures};
+use super::{Cell, Failures, ProtocolCell};
 use crate::failure::Failure;
 use crate::jobs::SearchResult;
+use crate::record::CellKey;
 use base::statistics::mean;
 use compile::Driver;
 
@@ -28,7 +29,7 @@ pub struct SearchFailures {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriverResult {
     pub driver: Driver,
-    /// Its worst failure; `None` without a collision.
+    /// Its worst failure, in the tests of a protocol the worst at the test speed if there is one; `None` without a collision.
     pub worst: Option<Failure>,
     /// The place of the cell with the highest rates in the list of cells; `None` if it was not evaluated.
     pub cell: Option<usize>,
@@ -58,13 +59,14 @@ pub fn driver_results(
     cells: &[Cell],
     failures: &Failures,
     searches: &[SearchResult],
+    tests: &[(CellKey, Vec<ProtocolCell>)],
 ) -> Vec<DriverResult> {
     let result = |driver: &Driver| {
         let own = cells.iter().filter(|cell| cell.key.policy == driver.name);
         let searched = searched(searches, &driver.name);
         DriverResult {
             driver: driver.clone(),
-            worst: failures.of(&driver.name).first().cloned(),
+            worst: worst_of(failures.of(&driver.name), tests).cloned(),
             cell: worst_cell(cells, &driver.name),
             episodes: own.map(|cell| u64::from(cell.episodes)).sum::<u64>()
                 + searched.map_or(0, |found| found.episodes),
@@ -92,6 +94,16 @@ pub fn driver_results(
             .then_with(failures)
     });
     results
+}
+
+/// The worst of failures, the worst first: one in a case that was not run at the test speed only if there is no other.
+fn worst_of<'a>(failures: &'a [Failure], tests: &[(CellKey, Vec<ProtocolCell>)]) -> Option<&'a Failure> {
+    let is_tested = |failure: &&Failure| {
+        let run = failure.key.id.to_string();
+        let cases = tests.iter().map(|(_, cases)| cases).find(|cases| cases.iter().any(|case| case.run_id == run));
+        cases.is_none_or(|cases| cases[failure.number as usize % cases.len()].is_tested())
+    };
+    failures.iter().find(is_tested).or(failures.first())
 }
 
 /// The user's own drivers first, those that see no pedestrians last.
@@ -171,7 +183,7 @@ mod tests {
             cell("bad", 0.1, 0.3),
             cell("bad", 0.0, 0.8),
         ];
-        let results = driver_results(&drivers, &cells, &Failures::default(), &[]);
+        let results = driver_results(&drivers, &cells, &Failures::default(), &[], &[]);
         let found: Vec<_> = results.iter().map(|result| (result.driver.name.as_str(), result.cell)).collect();
         assert_eq!(found, [("bad", Some(3)), ("good", Some(1)), ("blind", Some(0))]);
     }

@@ -42,9 +42,9 @@ pub struct ComparedSearch {
 }
 
 impl ComparedSearch {
-    /// The falsifier, the drivers and the town.
+    /// The method, the drivers and the town.
     pub fn title(&self) -> String {
-        format!("{} against {} in {}", self.falsifier, drivers(&self.policies), self.town)
+        format!("{}, {}, {}", self.falsifier, drivers(&self.policies), self.town)
     }
 }
 

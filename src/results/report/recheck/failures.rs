@@ -37,11 +37,7 @@ impl RecheckedFailures {
     /// The drivers, the town and the source of the failures.
     pub fn title(&self) -> String {
         let (found_in, walked_by) = (self.found_in.name(), self.walked_by.name());
-        format!(
-            "{} in {}, failures of the {found_in}, by {walked_by}",
-            drivers(&self.policies),
-            in_world(&self.town, &self.world)
-        )
+        format!("{} in {}, {found_in}, by {walked_by}", drivers(&self.policies), in_world(&self.town, &self.world))
     }
 
     /// The share of the old driver's faults that are faults of the new driver, and its interval (95 %); of the other encounters if `was_fault` is false.

@@ -3,6 +3,9 @@ use world::env::{Abilities, ExternalWorld};
 /// What a reader of a recheck must know.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RecheckNote {
+    /// The user stopped it.
+    #[error("stopped: only what was met up to then is here, and no fixed list that was under way")]
+    Stopped,
     /// The old driver cannot be run as it was.
     #[error(
         "the old driver cannot be run as it was ({reason}): its ends are those of the report, recorded commands of evaluations are not known, and \

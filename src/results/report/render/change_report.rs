@@ -13,6 +13,11 @@ const CSS: &str = "\
 /// Maximum number of changes of a word that the page lists.
 const MAX_LISTED: usize = 200;
 
+/// The end of the heading of an unchanged section.
+const UNCHANGED: &str = ", no change\n";
+/// The title of changes that are none, which a terminal only counts.
+const SAME: &str = "same";
+
 /// What changed between two drivers.
 #[derive(Debug, Clone, Default)]
 pub struct ChangeReport {
@@ -31,6 +36,8 @@ pub struct ChangeSection {
     pub heading: String,
     pub paragraphs: Vec<String>,
     pub tables: Vec<Table>,
+    /// Whether every start ends alike on both sides; a terminal then has no table.
+    pub is_unchanged: bool,
     /// The changes that it lists, by their words.
     pub changes: Vec<FailureChange>,
 }
@@ -54,10 +61,19 @@ pub fn change_text(report: &ChangeReport, shown: usize, width: u16) -> String {
         text.push_str(&format!("\n{}\n", report.lead.join("\n")));
     }
     for section in &report.sections {
+        if section.is_unchanged {
+            let gap = if text.ends_with(UNCHANGED) { "" } else { "\n" };
+            text.push_str(&format!("{gap}{}{UNCHANGED}", section.heading));
+            continue;
+        }
         text.push_str(&format!("\n{}\n", section.heading));
         section.tables.iter().for_each(|table| text.push_str(&table.to_terminal(width)));
         section.paragraphs.iter().for_each(|paragraph| text.push_str(&format!("{paragraph}\n")));
         for (title, all) in section.lists() {
+            if title == SAME {
+                text.push_str(&format!("\n{title}: {}; `--page FILE` lists them\n", all.len()));
+                continue;
+            }
             text.push_str(&format!("\n{title}: {}, the worst first\n", all.len()));
             text.push_str(&list(&all[..all.len().min(shown)]).to_terminal(width));
         }
@@ -74,30 +90,31 @@ impl ChangeSection {
             "fixed",
             "better, a collision of both that is at least 1 m/s slower after, or a fault only before",
             "not met, a collision before, of a pedestrian who would miss the new driver even if that saw nobody",
-            "same",
+            SAME,
         ];
         let of_word = |(word, title)| (title, FailureChange::of_word(&self.changes, word));
         FailureChange::WORDS.into_iter().zip(titles).map(of_word).filter(|(_, all)| !all.is_empty())
     }
 }
 
-/// Changes with the names of both episodes.
+/// Changes with the names of both episodes, or with the one that a recheck has; without kinds where none is known.
 fn list(changes: &[&FailureChange]) -> Table {
-    let mut head = vec![Column::text("after"), Column::text("before"), Column::text("verdict")];
+    let is_renamed = changes.iter().any(|change| change.sides[0].name != change.sides[1].name);
+    let has_kind = changes.iter().any(|change| !change.collision().kind.is_empty());
+    let mut head = vec![Column::text(if is_renamed { "after" } else { "episode" })];
+    head.extend(is_renamed.then(|| Column::text("before")));
+    head.push(Column::text("verdict"));
     head.extend(["m/s before", "m/s after"].map(Column::number));
-    head.extend(["where", "kind"].map(Column::text));
+    head.push(Column::text("where"));
+    head.extend(has_kind.then(|| Column::text("kind")));
     let row = |change: &&FailureChange| {
         let [before, after] = &change.sides;
         let speed = |side: &SideEnd| Value::Number(side.collision.as_ref().map(|found| found.impact_speed), 1);
-        vec![
-            Value::Code(after.name.clone()),
-            Value::Code(before.name.clone()),
-            change.verdict().into(),
-            speed(before),
-            speed(after),
-            change.place.clone().into(),
-            change.collision().kind.clone().into(),
-        ]
+        let mut row = vec![Value::Code(after.name.clone())];
+        row.extend(is_renamed.then(|| Value::Code(before.name.clone())));
+        row.extend([change.verdict().into(), speed(before), speed(after), change.place.clone().into()]);
+        row.extend(has_kind.then(|| change.collision().kind.clone().into()));
+        row
     };
     Table { head, rows: changes.iter().map(row).collect(), ..Table::default() }
 }

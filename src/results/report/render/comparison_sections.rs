@@ -2,6 +2,7 @@
 
 use super::change_report::{ChangeReport, ChangeSection};
 use super::table::{Column, Table, Value};
+use crate::report::compare::drivers;
 use crate::report::{
     Changed, ComparedCell, ComparedSearch, CountedEvent, FailureChange, Figure, PairedRate, ReportComparison,
 };
@@ -23,9 +24,10 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
     sections.extend(comparison.cells.iter().map(|cell| ChangeSection {
         heading: format!("{}: {}", cell.title(), common_starts(cell)),
         tables: Vec::from_iter((!cell.rates.is_empty()).then(|| rates(&comparison.events, cell))),
+        is_unchanged: is_unchanged(cell),
         ..ChangeSection::default()
     }));
-    if let Some(first) = sections.iter_mut().find(|section| !section.tables.is_empty()) {
+    if let Some(first) = sections.iter_mut().find(|section| !section.tables.is_empty() && !section.is_unchanged) {
         let is_of_requirements = comparison.events.iter().any(CountedEvent::is_violation);
         let of_requirements = if is_of_requirements { LEGEND_OF_REQUIREMENTS } else { "" };
         first.paragraphs.push(format!("{LEGEND}{of_requirements}"));
@@ -57,6 +59,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
     if !comparison.searches.is_empty() {
         sections.push(ChangeSection {
             heading: "searches, over the starts that both tried".into(),
+            is_unchanged: false,
             paragraphs: vec![
                 "Share of these starts from which a fault was found. A search goes where its driver fails, so a start that is fixed was not proved safe."
                     .into(),
@@ -71,6 +74,12 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
         lead: std::iter::once(headline(comparison)).chain(power(comparison)).collect(),
         sections,
     }
+}
+
+/// Whether a cell was compared, and every start ends alike on both sides.
+fn is_unchanged(cell: &ComparedCell) -> bool {
+    let rates = cell.rates.iter().flatten();
+    cell.starts > 0 && rates.map(|rate| rate.changed.new + rate.changed.fixed).sum::<u64>() == 0
 }
 
 /// The number of episodes that are compared.
@@ -185,11 +194,13 @@ fn counts(comparison: &ReportComparison, by: &'static str) -> Table {
 
 /// The searches of both sides over the starts that both tried.
 fn searches(comparison: &ReportComparison) -> Table {
-    let mut head = vec![Column::text("search")];
+    let mut head: Vec<Column> = ["search", "driver", "town"].map(|name| Column::text(name).key()).into();
     head.extend(["starts", "before", "after", "difference (95 %)", "p (Holm)", "new", "fixed"].map(Column::number));
     let row = |search: &ComparedSearch| {
         vec![
-            Value::Text(search.title()),
+            search.falsifier.clone().into(),
+            drivers(&search.policies).into(),
+            search.town.clone().into(),
             Value::Count(search.starts),
             Value::Number(Some(search.found.values[0]), 3),
             Value::Number(Some(search.found.values[1]), 3),

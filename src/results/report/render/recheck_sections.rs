@@ -24,6 +24,7 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
         heading: format!("{}: {} episodes from each of {} starts", row.title(), row.crossings, row.starts().len()),
         paragraphs: verdict(row),
         tables: vec![crossings(row)],
+        is_unchanged: false,
         changes: row.changes(),
     });
     ChangeReport {
@@ -38,7 +39,7 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
 }
 
 fn failures(rows: &[RecheckedFailures]) -> Table {
-    let mut head = vec![Column::text("driver"), Column::text("town"), Column::text("found in"), Column::text("by")];
+    let mut head: Vec<Column> = ["driver", "town", "found in", "by"].map(|name| Column::text(name).key()).into();
     head.extend(
         ["failures", "faults", "still faults", "turned faults", "still collisions", "of them worse", "better"]
             .map(Column::number),

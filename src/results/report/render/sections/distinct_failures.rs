@@ -25,8 +25,8 @@ pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {
         depth: Depth::Summary,
         tables: vec![Table { head, rows: shown, ..Table::default() }],
         notes: vec![format!(
-            "The first {MAX_SHRUNK} failures, shrunk to as few commands of the pedestrian as 600 runs find, if driver and simulator are built in; those that shrink to one kind are one row. Its cause is that of the first as it was recorded. \
-             `falsify failures REPORT --distinct --why` does so with all."
+            "The first {MAX_SHRUNK} failures, shrunk to the fewest commands that 600 runs find, if driver and simulator are built in; those of one kind are one row, with the cause of the first. \
+             `falsify failures REPORT --distinct --why` has all."
         )],
         ..Section::default()
     })
