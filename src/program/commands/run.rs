@@ -52,7 +52,7 @@ pub struct RunArgs {
     #[command(flatten)]
     pub run: session::RunOptions,
     /// Run it at several seeds, as 1..4, and pool their reports, which are called NAME-seed-N; intervals come from four seeds on.
-    #[arg(long, value_name = "A..B", value_parser = seeds, conflicts_with_all = ["list", "shard", "seed"], help_heading = "What runs", display_order = 6)]
+    #[arg(long, value_name = "A..B", value_parser = seeds, conflicts_with_all = ["shard", "seed"], help_heading = "What runs", display_order = 6)]
     pub seeds: Option<RangeInclusive<u64>>,
     /// Form of the output; `json` is one event a line (reports/README.md).
     // The help lists it behind --formats.
@@ -158,7 +158,9 @@ fn run_or_list(options: &RunArgs) -> Ended {
     let wanted = options.wanted()?;
     let session = session(options.given.allow_external).with_observer(Arc::new(options.reporter()));
     if options.list {
-        list::list(&session, &wanted).map_err(failed)?;
+        let seeds = wanted.seeds.clone().unwrap_or(wanted.seed..=wanted.seed);
+        let mut each = seeds.map(|seed| session::RunOptions { seed, ..wanted.clone() });
+        each.try_for_each(|wanted| list::list(&session, &wanted)).map_err(failed)?;
         return Ok(ExitCode::Done);
     }
     let Some(shard) = options.shard else {

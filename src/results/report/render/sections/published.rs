@@ -22,7 +22,7 @@ pub fn published(found: &Findings<'_>) -> Option<Section> {
     })
 }
 
-/// The published means with ours, for a terminal: a row for each of the first cells.
+/// The published means with ours, for a terminal: a row for each of the first cells, controller by controller.
 fn beside(all: &[PublishedComparison<'_>]) -> Table {
     let mut figures: Vec<&str> = Vec::new();
     for row in all {
@@ -34,7 +34,9 @@ fn beside(all: &[PublishedComparison<'_>]) -> Table {
     let names = ["pedestrian", "town"].into_iter().chain(several.then_some("driver"));
     let mut head: Vec<Column> = names.map(Column::text).collect();
     head.extend(figures.iter().map(|figure| Column::number(figure.trim_end_matches("_rate").replace('_', " "))));
-    let cells: Vec<&[PublishedComparison<'_>]> = all.chunk_by(|a, b| a.source == b.source && a.key == b.key).collect();
+    let mut cells: Vec<&[PublishedComparison<'_>]> =
+        all.chunk_by(|a, b| a.source == b.source && a.key == b.key).collect();
+    cells.sort_by_key(|rows| all.iter().position(|first| first.key.controller == rows[0].key.controller));
     let row = |rows: &&[PublishedComparison<'_>]| {
         let key = &rows[0].key;
         let mut row: Vec<Value> = vec![format!("{} {}", key.controller, key.reward).into(), (&key.town).into()];
