@@ -23,6 +23,7 @@ mod drivers;
 mod editors;
 mod explanations;
 mod hostile_input;
+mod idm_corridor;
 mod inline_kinds;
 mod interfuser_driving;
 mod judge;
