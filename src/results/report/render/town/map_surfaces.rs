@@ -45,6 +45,9 @@ pub fn surfaces(town: &Town) -> Markup {
                 title { "speed limit " (Digits(sign.limit * 3.6, 1)) " km/h from here" }
             }
         }
+        @for stop in &town.bus_stops {
+            rect.sign x=(px(stop.x - 0.7)) y=(px(-stop.y - 0.7)) width="1.4" height="1.4" { title { "bus stop" } }
+        }
         @for (sign, line) in town.give_way_signs.iter().map(|sign| (sign, town.pose(sign.line))) {
             circle.sign cx=(px(line.x)) cy=(px(-line.y)) r="0.7" { title { (sign.kind.name()) " sign of this lane" } }
         }
