@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 8_390),
     ("src/process", 876),
     ("src/export", 3_858),
-    ("src/results", 26_899),
-    ("src/program", 13_053),
-    ("tests", 29_968),
+    ("src/results", 26_904),
+    ("src/program", 13_055),
+    ("tests", 30_064),
 ];
 
 /// Crates that only some places may name.

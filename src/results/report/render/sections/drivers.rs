@@ -4,8 +4,8 @@ use crate::report::render::table::{Column, Place, Section, Table, Value};
 use crate::report::{Cell, DriverResult, Findings, Rate};
 
 /// How to read the table.
-const READING: &str = "Your own drivers lead, baselines come last; then the order is that of their *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
-    episodes; without evaluations the mean over searches. Rates are those of the worst pedestrian and town, *where that is*, chosen after the fact, so slightly too high: compare drivers by their common starts. Intervals are Wilson's 95 % over starts.";
+const READING: &str = "Own drivers lead, baselines come last; then the order is that of *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
+    episodes; without evaluations the mean over searches. Rates are those of the worst pedestrian and town, *where that is*, chosen afterwards, so slightly too high: compare drivers by their common starts. Intervals are Wilson's 95 % over starts.";
 
 /// What was found about each driver: those under test, and below them those that see no pedestrians. `None` without a driver.
 pub fn drivers(found: &Findings<'_>) -> Option<Section> {
