@@ -1,10 +1,12 @@
 //! A new version of a driver meets the failures of an old report again, and both versions a fixed list of crossings.
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::program::{error, falsify};
+use crate::program::{command, error, falsify};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -153,11 +155,33 @@ fn a_worse_driver_has_more_faults() {
     }
     let quiet = ["recheck", "reports/versions", "--set", "delay=0.3 s", "--starts", "2", "--progress", "none"];
     assert!(!error(&falsify(&quiet, here)).contains("of the fixed list"));
-    let text = String::from_utf8_lossy(&shown.stdout).into_owned();
+    let text = String::from_utf8_lossy(&shown.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
     for part in ["met again by the new driver", "starts with a fault", "the list says nothing about faults; --starts N"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_shows_what_was_met_up_to_then() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path());
+    let mut long = command();
+    long.args(["recheck", "reports/versions", "--starts", "100000", "--fail-if", "faults_new > 0"]);
+    long.args(["--progress", "lines"]).current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = long.spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let met = lines.find_map(|line| line.unwrap().strip_prefix("failures met again: ").map(str::to_owned));
+    assert!(met.is_some_and(|met| met.starts_with("11 of 11")));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let told: Vec<String> = lines.map(Result::unwrap).collect();
+    assert!(told.iter().any(|line| line.contains("--fail-if: nothing is judged")), "{told:?}");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{told:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("stopped: the fixed list") && text.contains("still"), "{text}");
+    assert!(!text.contains("100000 starts"), "no list that was under way: {text}");
 }
 
 #[test]

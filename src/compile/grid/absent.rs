@@ -16,7 +16,7 @@ use world::road::FIRST_LIMIT;
 /// What follows where a town has nothing of what is asked.
 const NOTHING: &str = "its result there says nothing";
 /// The same for a walk to a bus stop.
-const CROSSES: &str = "there it crosses the road";
+const CROSSES: &str = "there the pedestrian crosses the road";
 
 /// How much faster than the highest speed limit of its towns a car may be expected to drive.
 const ABOVE_LIMIT: f64 = 1.5;

@@ -130,11 +130,15 @@ pub fn wrapped(text: &str) -> String {
     broken(text, WIDTH)
 }
 
-/// Breaks lines that are longer than a number of columns between words. Lines that continue one are indented as it is, and by two columns more.
+/// Breaks lines that are longer than a number of columns between words, but no command. Lines that continue one are indented as it is, and by two columns more.
 pub fn broken(text: &str, columns: u16) -> String {
     let mut all = String::new();
     for line in text.lines() {
         let indent = line.len() - line.trim_start().len();
+        if line[indent..].starts_with("falsify ") {
+            all.push_str(&format!("{line}\n"));
+            continue;
+        }
         let mut column = 0;
         for word in line[indent..].split(' ') {
             let width = word.chars().count();

@@ -113,7 +113,9 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     let reporter = Arc::new(Reporter::new(options.progress));
     interrupt::listen();
     let session = session(options.repeat.allow_external).with_observer(reporter.clone());
+    process::allow_to_stop(true);
     let recheck = session.recheck(options).map_err(failed);
+    process::allow_to_stop(false);
     reporter.end();
     let recheck = recheck?;
     match options.format {
@@ -128,7 +130,10 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
         report::write_file(path, page.as_bytes()).map_err(unwritten)?;
         console::note(&path.display().to_string());
     }
-    if recheck.notes.contains(&RecheckNote::Stopped) {
+    if recheck.notes.iter().any(RecheckNote::is_stop) {
+        if !conditions.is_empty() {
+            console::fail("--fail-if: nothing is judged, since the recheck was stopped");
+        }
         return Ok(ExitCode::Interrupted);
     }
     let judged = judge(&conditions, &recheck);

@@ -130,7 +130,7 @@ fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
         Some((Ok(first), Ok(last))) if first < last && last <= i64::MAX as u64 && last - first < MAX_SEEDS => {
             Ok(first..=last)
         }
-        _ => Err(format!("write the first and the last seed, as 1..4, at most {MAX_SEEDS} of them")),
+        _ => Err(format!("write the first and the last of two seeds or more, as 1..4, at most {MAX_SEEDS} of them")),
     }
 }
 

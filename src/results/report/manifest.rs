@@ -47,7 +47,8 @@ pub struct Manifest {
     pub baselines: Vec<String>,
     /// The programs of the user that drive or walk.
     pub programs: Vec<ProgramRecord>,
-    /// The other files of the report, by their paths in it.
+    /// The other files of the report, by their paths in it. A manifest that was cut has none.
+    #[serde(default)]
     pub report_files: Vec<FileRecord>,
 }
 

@@ -29,6 +29,8 @@ pub(super) struct MetAgain {
     pub has_other_start: bool,
     /// Whether its commands cannot be read.
     pub is_damaged: bool,
+    /// Whether the user stopped before it was met.
+    pub is_left: bool,
     /// Whether its controller cannot be repeated.
     pub has_no_controller: bool,
     /// What failed as a program, and why; `None` if nothing did, or if it was not run.
@@ -36,6 +38,11 @@ pub(super) struct MetAgain {
 }
 
 impl MetAgain {
+    /// A failure that was not met again, since the user stopped.
+    pub(super) fn left() -> Self {
+        Self { is_left: true, ..Self::default() }
+    }
+
     /// A failure that was not met again, since what is met had failed as a program over and over.
     pub(super) fn not_run(failure: &Failure, walked_by: &[WalkedBy]) -> Self {
         let left_out = |by: &WalkedBy| (*by, encounter(failure, None, Met::error(), None));

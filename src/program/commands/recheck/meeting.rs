@@ -59,7 +59,6 @@ impl Session {
         let failures = sides.meet_failures(&pairs, options, self, &mut notes)?;
         let setups = sides.crossed_setups(&pairs, options, &mut notes)?;
         let crossings = sides.cross_all(&setups, options.starts.unwrap_or(STARTS), self, &mut notes);
-        notes.extend(self.is_stopped().then_some(RecheckNote::Stopped));
         let report = options.report.clone();
         let files = options.files.clone();
         let mut recheck = Recheck { report, files, notes, failures, crossings };
@@ -137,7 +136,7 @@ impl<'a> Tally<'a> {
     }
 
     /// Meets failures, until a program has failed in ten in a row: those that then are under way are met, and the others are walked by these, and not run.
-    /// Has only the first ones when the user stops.
+    /// Those left when the user stops are not met.
     fn meet(
         &mut self,
         failures: &[Failure],
@@ -146,15 +145,17 @@ impl<'a> Tally<'a> {
     ) -> Vec<MetAgain> {
         let mut met = Vec::with_capacity(failures.len());
         for part in failures.chunks(TOGETHER) {
-            if self.goes_on().is_break() {
-                break;
-            }
             let is_over = self.errors >= MAX_ERRORS;
             let tally = &*self;
             let again = parallel::map(part, |failure| {
-                let met = if is_over { MetAgain::not_run(failure, walked_by) } else { run(failure) };
+                let met = match is_over {
+                    _ if tally.goes_on().is_break() => return MetAgain::left(),
+                    true => MetAgain::not_run(failure, walked_by),
+                    false => run(failure),
+                };
                 tally.add();
-                met
+                // A program is not waited for any more.
+                if met.error.is_some() && tally.goes_on().is_break() { MetAgain::left() } else { met }
             });
             for each in &again {
                 self.errors = match each.error {
@@ -212,7 +213,7 @@ impl Sides {
         notes: &mut Vec<RecheckNote>,
     ) -> Result<Vec<RecheckedFailures>, Error> {
         let mut rows = Vec::new();
-        let [mut other_now, mut other_start, mut damaged, mut commands_alone] = [0; 4];
+        let [mut other_now, mut other_start, mut damaged, mut commands_alone, mut left] = [0; 5];
         let mut failed: Option<String> = None;
         let mut found: Vec<(&DriverPair, BTreeMap<RunId, Vec<Failure>>)> = Vec::new();
         // A violation of a requirement that is no collision has no verdict to compare.
@@ -269,6 +270,7 @@ impl Sides {
                     other_now += u64::from(met.is_other_now);
                     other_start += u64::from(met.has_other_start);
                     damaged += u64::from(met.is_damaged);
+                    left += u64::from(met.is_left);
                     commands_alone += u64::from(met.has_no_controller);
                     if let (None, Some(error)) = (&failed, met.error) {
                         failed = Some(format!("{} against `{}`: {error}", failure.name(), pair.after));
@@ -295,6 +297,7 @@ impl Sides {
             (other_now, RecheckNote::OtherNow { failures: other_now }),
             (other_start, RecheckNote::OtherStart { encounters: other_start }),
             (damaged, RecheckNote::Damaged { failures: damaged }),
+            (left, RecheckNote::Left { failures: left }),
         ];
         notes.extend(counted.into_iter().filter(|(count, _)| *count > 0).map(|(_, note)| note));
         notes.extend(failed.map(|first| RecheckNote::Failed { first }));
@@ -418,6 +421,7 @@ impl Sides {
         for (pair, setup) in setups {
             let row = self.cross(pair, setup, &goals, starts, &tally);
             if session.is_stopped() {
+                notes.push(RecheckNote::ListLeft);
                 break;
             }
             other_start += of_setup - row.encounters.0.len() as u64;

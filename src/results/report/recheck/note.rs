@@ -3,9 +3,12 @@ use world::env::{Abilities, ExternalWorld};
 /// What a reader of a recheck must know.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RecheckNote {
-    /// The user stopped it.
-    #[error("stopped: only what was met up to then is here, and no fixed list that was under way")]
-    Stopped,
+    /// The user stopped before these were met.
+    #[error("stopped: failures that were not met: {failures}")]
+    Left { failures: u64 },
+    /// The user stopped a fixed list.
+    #[error("stopped: the fixed list that was under way is left out, and those after it")]
+    ListLeft,
     /// The old driver cannot be run as it was.
     #[error(
         "the old driver cannot be run as it was ({reason}): its ends are those of the report, recorded commands of evaluations are not known, and \
@@ -56,6 +59,11 @@ pub enum RecheckNote {
 }
 
 impl RecheckNote {
+    /// Whether the user stopped.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, Self::Left { .. } | Self::ListLeft)
+    }
+
     /// The note about another simulator that was asked who it is.
     pub fn elsewhere(world: &ExternalWorld) -> Self {
         let Abilities { name, version, .. } = world.abilities.clone().unwrap_or_default();

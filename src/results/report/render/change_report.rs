@@ -14,7 +14,7 @@ const CSS: &str = "\
 const MAX_LISTED: usize = 200;
 
 /// The end of the heading of an unchanged section.
-const UNCHANGED: &str = ", no change\n";
+const UNCHANGED: &str = ", nothing is new or fixed\n";
 /// The title of changes that are none, which a terminal only counts.
 const SAME: &str = "same";
 
@@ -36,7 +36,7 @@ pub struct ChangeSection {
     pub heading: String,
     pub paragraphs: Vec<String>,
     pub tables: Vec<Table>,
-    /// Whether every start ends alike on both sides; a terminal then has no table.
+    /// Whether nothing that is counted is new or fixed; a terminal then has no table.
     pub is_unchanged: bool,
     /// The changes that it lists, by their words.
     pub changes: Vec<FailureChange>,

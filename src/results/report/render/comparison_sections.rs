@@ -76,7 +76,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
     }
 }
 
-/// Whether a cell was compared, and every start ends alike on both sides.
+/// Whether a cell was compared, and nothing that is counted is new or fixed.
 fn is_unchanged(cell: &ComparedCell) -> bool {
     let rates = cell.rates.iter().flatten();
     cell.starts > 0 && rates.map(|rate| rate.changed.new + rate.changed.fixed).sum::<u64>() == 0

@@ -6,7 +6,7 @@ use super::table::{Column, Table, Value};
 use crate::record::in_world;
 use crate::report::compare::drivers;
 use crate::report::recheck::is_better;
-use crate::report::{CrossedStarts, Met, Recheck, RecheckedFailures, StartFaults, is_gone, is_not_met};
+use crate::report::{CrossedStarts, Met, Recheck, RecheckNote, RecheckedFailures, StartFaults, is_gone, is_not_met};
 
 /// The result of a recheck.
 pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
@@ -17,6 +17,7 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
         ..ChangeSection::default()
     };
     match recheck.failures.as_slice() {
+        [] if recheck.notes.iter().any(RecheckNote::is_stop) => met.paragraphs.push("none was met yet".into()),
         [] => met.paragraphs.push("the report has none of these drivers".into()),
         rows => met.tables.push(failures(rows)),
     }
