@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 8_390),
     ("src/process", 876),
     ("src/export", 3_858),
-    ("src/results", 26_914),
-    ("src/program", 13_075),
-    ("tests", 30_090),
+    ("src/results", 26_915),
+    ("src/program", 13_078),
+    ("tests", 30_092),
 ];
 
 /// Crates that only some places may name.

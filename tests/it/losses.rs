@@ -97,6 +97,8 @@ fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
     let (whole, other) = (place.path().join("out/small"), place.path().join("other"));
     assert!(falsify(&["replay", "--all", "out/small"], place.path()).status.success());
     copy(&whole, &other);
+    let copied = falsify(&["compare", "out/small", "other", "--fail-if", "fault_rate_p_holm < 0.05"], place.path());
+    assert!(copied.status.code() == Some(2) && error(&copied).contains("which show nothing"), "{copied:?}");
     let table = other.join("episodes.parquet");
     let mut bytes = fs::read(&table).unwrap();
     let middle = bytes.len() / 2;

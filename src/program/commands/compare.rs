@@ -126,6 +126,9 @@ pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Result<
     for caveat in comparison.caveats.iter().filter(is_alone).filter(|_| !conditions.is_empty()) {
         console::warn(&format!("--fail-if: {caveat}"));
     }
+    if !conditions.is_empty() && comparison.caveats.contains(&Caveat::Same) {
+        return Err(misused(format!("--fail-if: nothing can be judged, since {}", Caveat::Same)));
+    }
     let cells = Subject {
         judge: &|gate| gate.judge(&report::compared_cells(comparison)),
         titles: comparison.cells.iter().map(ComparedCell::title).collect(),

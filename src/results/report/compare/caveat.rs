@@ -16,7 +16,7 @@ pub enum Caveat {
         after: (String, String),
     },
     /// Both sides are the same runs.
-    #[error("both sides are the same runs of one report, which show nothing")]
+    #[error("both sides are the same runs of one report, or of a copy, which show nothing")]
     Same,
     /// The seeds differ.
     #[error("the seeds are {before} and {after}")]
