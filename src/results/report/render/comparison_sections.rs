@@ -78,8 +78,8 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
 
 /// Whether a cell was compared, and nothing that is counted is new or fixed.
 fn is_unchanged(cell: &ComparedCell) -> bool {
-    let rates = cell.rates.iter().flatten();
-    cell.starts > 0 && rates.map(|rate| rate.changed.new + rate.changed.fixed).sum::<u64>() == 0
+    let mut rates = cell.rates.iter().flatten();
+    cell.starts > 0 && !cell.rates.is_empty() && rates.all(|rate| rate.changed.new + rate.changed.fixed == 0)
 }
 
 /// The number of episodes that are compared.
