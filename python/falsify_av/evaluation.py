@@ -79,7 +79,7 @@ def evaluate(
             continue
         for world in np.flatnonzero(over):
             row = core.end(int(world)) or {}
-            rows[row["episode"]] = row
+            rows[row["episode_number"]] = row
             number[world] = following
             following += 1
         tell(len(rows), episodes)

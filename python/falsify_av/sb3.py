@@ -76,7 +76,6 @@ class PedestrianVecEnv(Closable, VecEnv):
         over = terminated | truncated
         for world in np.flatnonzero(over):
             info = core.end(int(world)) or {}
-            info["number"] = info.pop("episode")
             info["episode"] = {"r": info["episode_reward"], "l": int(self._lengths[world]), "t": info["episode_length_s"]}
             info["terminal_observation"] = last[world].copy()
             info["TimeLimit.truncated"] = bool(truncated[world] and not terminated[world])

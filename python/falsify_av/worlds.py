@@ -131,7 +131,7 @@ def started(core: _core.Worlds, world: int) -> dict[str, Any]:
     if place is None:
         return {}
     ticks, placed = core.run_up(world)
-    return {"seed": place[0], "episode": place[1], "run_up_ticks": ticks, "placed": placed}
+    return {"seed": place[0], "episode_number": place[1], "run_up_ticks": ticks, "placed": placed}
 
 
 class Closable:

@@ -28,7 +28,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
         _ => (false, f64::NAN),
     };
     dict.set_item("seed", end.seed)?;
-    dict.set_item("episode", end.episode)?;
+    dict.set_item("episode_number", end.episode)?;
     dict.set_item("outcome", name)?;
     dict.set_item("is_success", end.is_failure)?;
     dict.set_item("front", front)?;

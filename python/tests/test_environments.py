@@ -84,8 +84,8 @@ def test_an_episode_has_the_same_start_whatever_was_run_before(scenario):
     env.reset(seed=4)
     env.step(env.action_space.sample())
     third, info = env.reset(options={"episode": 2})
-    assert info == {"seed": 4, "episode": 2, "run_up_ticks": 0, "placed": False}
-    assert env.reset()[1]["episode"] == 3
+    assert info == {"seed": 4, "episode_number": 2, "run_up_ticks": 0, "placed": False}
+    assert env.reset()[1]["episode_number"] == 3
     again, _ = falsify_av.make(scenario, seed=4, **CHOICES[0]).reset(options={"episode": 2})
     assert np.array_equal(third, again)
 
@@ -146,3 +146,44 @@ def test_the_pedestrians_of_a_cast_are_agents_with_the_names_of_their_roles():
 
 def test_the_space_of_states_with_rays_and_others_holds_them():
     check_env(falsify_av.make(CAST), skip_render_check=True)
+
+
+def test_statistics_of_others_keep_their_key(scenario):
+    """Gymnasium owns `info["episode"]`: scripts of CleanRL and others read returns and lengths there."""
+    import gymnasium as gym
+
+    wrapped = gym.wrappers.RecordEpisodeStatistics(falsify_av.make(scenario, **CHOICES[0]))
+    plain = falsify_av.make(scenario, **CHOICES[0])
+    wrapped.reset(seed=1), plain.reset(seed=1)
+    total, over = 0.0, False
+    while not over:
+        _, reward, terminated, truncated, info = wrapped.step(np.zeros(2, np.float32))
+        total += reward
+        *_, expected = plain.step(np.zeros(2, np.float32))
+        over = terminated or truncated
+    assert info.pop("episode")["r"] == pytest.approx(total) and equal(info, expected) and info["episode_number"] == 0
+
+
+@pytest.mark.parametrize("mode", ["next_step", "same_step"])
+def test_a_training_loop_of_others_reads_returns_of_a_vector(scenario, mode):
+    import gymnasium as gym
+    from gymnasium.vector import AutoresetMode, SyncVectorEnv
+    from gymnasium.wrappers.vector import RecordEpisodeStatistics
+
+    mode = AutoresetMode.NEXT_STEP if mode == "next_step" else AutoresetMode.SAME_STEP
+    ours = RecordEpisodeStatistics(falsify_av.make_vec(scenario, 3, autoreset_mode=mode, **CHOICES[0]))
+    theirs = SyncVectorEnv(
+        [lambda: gym.wrappers.RecordEpisodeStatistics(falsify_av.make(scenario, **CHOICES[0]))] * 3, autoreset_mode=mode
+    )
+    for env in (ours, theirs):
+        env.reset(seed=4)
+        returns = []
+        for _ in range(200):
+            *_, infos = env.step(np.zeros((3, 2), np.float32))
+            # The two forms in which scripts of CleanRL read them.
+            final = infos.get("final_info", infos)
+            if "episode" in infos:
+                returns.extend(np.asarray(infos["episode"]["r"])[infos["_episode"]])
+            elif "episode" in final:
+                returns.extend(np.asarray(final["episode"]["r"])[final["_episode"]])
+        assert len(returns) > 3 and np.isfinite(returns).all()

@@ -16,7 +16,7 @@ def homing(states):
 
 def test_a_callable_walks_the_same_in_any_number_of_worlds(scenario):
     rows = falsify_av.evaluate(homing, scenario, **CHOICE, episodes=20, seed=3, num_envs=20)
-    assert [row["episode"] for row in rows] == list(range(20)) and {row["seed"] for row in rows} == {3}
+    assert [row["episode_number"] for row in rows] == list(range(20)) and {row["seed"] for row in rows} == {3}
     for worlds in (1, 7):
         again = falsify_av.evaluate(homing, scenario, **CHOICE, episodes=20, seed=3, num_envs=worlds)
         assert [row["digest"] for row in again] == [row["digest"] for row in rows]

@@ -36,7 +36,7 @@ def test_the_driver_of_the_page_reaches_its_starts(tmp_path, monkeypatch):
 
     choice = {"campaign": "mine", "town": "harbour", "driver": "behavior", "reward": "r2", "own_driver": Counted}
     rows = falsify_av.evaluate(homing, "my.scn", episodes=40, **choice)
-    assert [row["episode"] for row in rows if row["placed"]] == []
+    assert [row["episode_number"] for row in rows if row["placed"]] == []
     assert all(row["run_up_ticks"] > 0 and row["error"] == "" for row in rows)
     # Each tick of a run-up and of an episode is asked for once: no world starts an episode that has no row.
     ticks = sum(row["run_up_ticks"] + row["ticks"] for row in rows)
@@ -54,7 +54,7 @@ def test_a_driver_that_does_not_steer_is_told(tmp_path):
     choice = {"campaign": "mine", "town": "harbour", "driver": "behavior", "reward": "r2", "own_driver": Straight}
     with pytest.warns(falsify_av.RunUpWarning, match=r"did not reach its start in \d+ of 8 run-ups.*`route`"):
         rows = falsify_av.evaluate(lambda states: np.zeros((len(states), 2)), scenario, episodes=8, **choice)
-    placed = next(row["episode"] for row in rows if row["placed"])
+    placed = next(row["episode_number"] for row in rows if row["placed"])
     env = falsify_av.make(scenario, **choice)
     with pytest.warns(falsify_av.RunUpWarning, match="1 of 1 run-ups"):
         _, info = env.reset(seed=1, options={"episode": placed})

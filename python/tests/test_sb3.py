@@ -45,7 +45,7 @@ def test_the_vec_env_equals_single_ones_bit_for_bit(scenario):
             assert np.array_equal(a["terminal_observation"], b["terminal_observation"])
             for key in ("TimeLimit.truncated", "digest", "outcome", "verdict", "is_success"):
                 assert a[key] == b[key]
-            assert b["episode"]["r"] == a["episode_reward"] and a["episode"] == b["number"]
+            assert b["episode"]["r"] == a["episode_reward"] and a["episode_number"] == b["episode_number"]
     assert ends > 10
 
 
@@ -67,3 +67,8 @@ def test_a_closed_vec_env_says_so(scenario):
     env.close()
     with pytest.raises(RuntimeError, match="closed"):
         env.reset()
+
+
+def test_ppo_trains_on_worlds_without_a_monitor(scenario):
+    env = DummyVecEnv([lambda: falsify_av.make(scenario, **CHOICE)] * 2)
+    PPO("MlpPolicy", env, n_steps=64, batch_size=64, n_epochs=1, seed=1, device="cpu").learn(256)
