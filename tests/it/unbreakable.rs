@@ -476,3 +476,47 @@ fn a_driver_that_joins_the_group_of_the_program_ends_with_it() {
     let output = limited("true", &["run", "outside.scn", "--allow-external", "--out", "out"], place.path());
     assert_eq!(output.status.code(), Some(5), "{output:?}");
 }
+
+/// A name in bytes that are no UTF-8 is a name: the scenario runs, and the report says what it can.
+#[test]
+fn a_file_may_have_any_name() {
+    use std::os::unix::ffi::OsStrExt;
+    let place = tempfile::tempdir().unwrap();
+    let name = std::ffi::OsStr::from_bytes(b"c\xff.scn");
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+                spawn near { distance: 7 m .. 40 m }\nepisode e { ticks: 40 }\n\
+                campaign c { vehicle: model3 body: pursuer spawn: near episode: e\n\
+                evaluate { towns: [harbour] drivers: [idm] pedestrians: [intercept] episodes: 2 } }\n";
+    fs::write(place.path().join(name), text).unwrap();
+    for command in [&["run"][..], &["run", "--list"], &["check"], &["preview", "--once"], &["fmt", "--check"]] {
+        let output = program::command().args(command).arg(name).current_dir(place.path()).output().unwrap();
+        assert!(matches!(output.status.code(), Some(0 | 3)), "{command:?}: {output:?}");
+        assert!(!error(&output).contains("panic"), "{}", error(&output));
+    }
+    let manifest = fs::read_to_string(place.path().join("reports/c/manifest.toml")).unwrap();
+    assert!(manifest.contains("scenarios = [\"c"), "{manifest}");
+}
+
+/// The likeliest slip of a beginner: pedestrians are trained, and nothing says how.
+#[test]
+fn a_training_that_is_missing_is_one_message_in_all_commands() {
+    let place = tempfile::tempdir().unwrap();
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+                import fault from \"std/rewards.scn\"\nspawn near { distance: 7 m .. 40 m }\nepisode e { ticks: 40 }\n\
+                campaign c { vehicle: model3 body: pursuer spawn: near episode: e\n\
+                train { towns: [harbour] drivers: [idm] rewards: [fault] }\n\
+                evaluate { towns: [harbour] drivers: [idm] episodes: 2 } }\n";
+    fs::write(place.path().join("c.scn"), text).unwrap();
+    for command in
+        [&["run", "c.scn"][..], &["run", "--list", "c.scn"], &["check", "c.scn"], &["preview", "--once", "c.scn"]]
+    {
+        let output = program::falsify(command, place.path());
+        assert_eq!(output.status.code(), Some(3), "{command:?}: {output:?}");
+        let said = error(&output);
+        assert_eq!(said.matches("error[").count(), 1, "{said}");
+        assert!(said.contains("`campaign` needs the key `training`"), "{said}");
+    }
+    let mut session = crate::language_server::Session::new();
+    session.open("file:///c.scn", text);
+    assert!(session.hold().iter().any(|reply| reply.to_string().contains("missing-key")));
+}

@@ -136,7 +136,7 @@ fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
 
 /// The command of this process as a user would type it again.
 fn command_line() -> String {
-    let words = std::env::args().skip(1).map(|word| quoted(&word));
+    let words = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
     std::iter::once("falsify".to_string()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
@@ -285,11 +285,18 @@ impl RunReporter {
 
     /// For people, prints the cells of a report, narrow enough for a terminal; for programs, prints its folder.
     fn reported(&self, report: &CampaignReport) {
-        let CampaignReport { name, folder, manifest, .. } = report;
+        let &CampaignReport { ref name, ref folder, ref manifest, tasks, reused, .. } = report;
         match self.output {
             Output::Human => summary::show(report, self.details),
-            Output::Json => EventLine::ReportWritten { campaign: name, folder, complete: manifest.complete }.tell(),
+            Output::Json => {
+                EventLine::ReportWritten { campaign: name, folder, complete: manifest.complete, tasks, reused }.tell()
+            }
         }
         gate::show(report);
+        if reused > 0 {
+            console::note(&format!(
+                "{reused} of {tasks} results were stored before and not made by this run; --fresh makes them again"
+            ));
+        }
     }
 }

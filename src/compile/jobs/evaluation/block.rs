@@ -69,6 +69,10 @@ impl Lowering<'_> {
         }
         let has_script = ground.spawn.value.scripted().is_some();
         let Some(chosen) = self.chosen(block, &pedestrians, has_script) else { return };
+        if !untrained && grid.campaign.all::<Training>().next().is_none() {
+            // The block `train` has a mistake, which is reported there.
+            return;
+        }
         let test = ground.spawn.value.target_walk.as_ref().filter(|_| pedestrians.contains(&Value::Choice(SCRIPTED)));
         if let (Some(_), None) = (&ground.spawn.value.target_walk, test) {
             self.said.push(diagnostics::untested(block.place("pedestrians"), &ground.spawn.name));
