@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The maximum size of a file that is read as a whole (bytes).
 pub const MAX_BYTES: u64 = 256 << 20;
@@ -30,6 +30,30 @@ fn in_words(error: io::Error) -> io::Error {
         io::ErrorKind::PermissionDenied => io::Error::new(error.kind(), "you may not read it"),
         _ => error,
     }
+}
+
+/// The first symbolic link in a folder, at any depth; the folder itself may be one. `None` if there is no such folder.
+///
+/// # Errors
+/// A folder in it cannot be read.
+pub fn first_link(folder: &Path) -> io::Result<Option<PathBuf>> {
+    let entries = match fs::read_dir(folder) {
+        // Another process may have removed it meanwhile.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        entries => entries?,
+    };
+    let mut first: Option<PathBuf> = None;
+    for entry in entries {
+        let entry = entry?;
+        let kind = entry.file_type()?;
+        let link = match () {
+            () if kind.is_symlink() => Some(entry.path()),
+            () if kind.is_dir() => first_link(&entry.path())?,
+            () => None,
+        };
+        first = [first, link].into_iter().flatten().min();
+    }
+    Ok(first)
 }
 
 /// The bytes of a file.

@@ -221,7 +221,8 @@ mod tests {
         let (episodes, count) = record::encode(None, &[]).unwrap();
         let length = episodes.len() as u64;
         let (what, error) = ("no episodes".to_string(), String::new());
-        let header = Header { what, state: State::Finished, done: count, error, seconds: 0.5, length };
+        let header =
+            Header { task: String::new(), what, state: State::Finished, done: count, error, seconds: 0.5, length };
         damage(stored, &store::encode(&header, &episodes));
     }
 

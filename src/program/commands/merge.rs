@@ -79,7 +79,8 @@ fn merged(session: &Session, run: &RunOptions, options: &MergeArgs) -> Result<Op
     }
     // A damaged task is reported together with a remedy.
     let store = Store::open(&run.out, run.cache.as_deref(), Box::new(|_| {}))?;
-    let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
+    let others = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {})));
+    let others = others.collect::<Result<Vec<Store>, _>>()?;
     for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
         session.notice(&Notice::Warning(format!(
             "there are no tasks in `{}`; where a shard was given --cache, name that folder",
@@ -133,7 +134,7 @@ fn lack(campaign: &Campaign, missing: &[(Task, Taken)], shards: Option<u32>) -> 
     for (task, found) in missing.iter().take(MAX_SHOWN) {
         let why = match found {
             Taken::Part(done) => format!("unfinished, {done} {}", work(&campaign.jobs[task.job]).kind().unit),
-            Taken::Damaged(path) => format!("`{}` is damaged", path.display()),
+            Taken::Damaged(path, reason) => format!("`{}` {reason}", path.display()),
             Taken::Differ(one, other) => {
                 format!("`{}` and `{}` differ, so one is not what it says; remove it", one.display(), other.display())
             }

@@ -58,6 +58,10 @@ pub struct CampaignReport {
     pub doubts: Vec<Doubt>,
     /// The gates, each with its judgement of each row of the table that it is about.
     pub gates: Vec<(Gate, Vec<Judged>)>,
+    /// The number of its tasks whose results, or parts of them, were stored before and not made by this run.
+    pub reused: usize,
+    /// The number of its tasks.
+    pub tasks: usize,
     /// Whether a training or a search failed.
     pub failed: bool,
 }

@@ -46,7 +46,11 @@ impl<'a> Recording<'a> {
 
     pub fn record(&self, path: &Path, contents: &[u8]) -> FileRecord {
         let path = path.display().to_string();
-        if self.contents { FileRecord::new(path, contents) } else { FileRecord { path, blake3: String::new() } }
+        if self.contents {
+            FileRecord::new(path, contents)
+        } else {
+            FileRecord { path, blake3: String::new(), rows: None }
+        }
     }
 
     /// The files that were read.

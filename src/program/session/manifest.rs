@@ -86,7 +86,7 @@ impl Session {
         for (path, contents) in &planned.contents {
             folder.file(&places[path.as_str()], contents)?;
         }
-        let file = |FileRecord { path, blake3 }: &FileRecord| ScenarioFile {
+        let file = |FileRecord { path, blake3, .. }: &FileRecord| ScenarioFile {
             path: path.clone(),
             blake3: blake3.clone(),
             held: places.get(path.as_str()).cloned().unwrap_or_default(),

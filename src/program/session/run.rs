@@ -165,6 +165,8 @@ impl<'a> CampaignRun<'a> {
             sections,
             doubts,
             gates,
+            reused: results.reused(),
+            tasks: campaign::tasks(self.campaign).count(),
             failed: finished.has_failed,
         })))
     }

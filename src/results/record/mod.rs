@@ -22,7 +22,7 @@ pub use degrees::{DEGREES, parse as parse_degrees, with_degrees};
 pub use episodes::{EPISODES, IN_ERROR, cell_key, episode_references, episode_table, episodes};
 pub use key::{CellKey, RunKey, in_block, in_world};
 pub use metric::{Metric, metrics};
-pub use parquet_reader::read_parquet;
+pub use parquet_reader::{read_parquet, said_rows};
 pub use read::EpisodeTable;
 pub use row::EpisodeRow;
 pub use stored::{Chunk, Chunks, decode, encode};

@@ -10,31 +10,28 @@ use polars_parquet_format::{PageHeader, PageType, thrift};
 
 use base::contained::contained;
 
-/// The least number of bytes of a row, compressed. Rows of reports have 20 bytes and more.
-const ROW_BYTES: u64 = 8;
-/// How many times larger than the file its columns may be.
-const MAX_GROWTH: u64 = 256;
-/// Files below this size (bytes) may have as many rows, and columns as large, as one of this size.
-const SMALL: u64 = 1 << 16;
-
-/// Reads a table without nested columns from Parquet of a length (bytes): some of its columns and some of its rows (the first and a count), or all.
-/// A file that says it holds much more than fits into it is refused, since a lack of memory would end the process. A panic of the reader is an error.
+/// Reads a table without nested columns from Parquet: some of its columns and some of its rows (the first and a count), or all. `most` is the number of rows
+/// that it may have. A file that contradicts itself, has more rows, or needs more memory than the machine has is refused, since a lack of memory would end the
+/// process. How well its values are compressed says nothing. A panic of the reader is an error.
 ///
 /// # Errors
-/// The file is not Parquet, it is damaged, or it would take too much memory.
+/// The file is not Parquet, it is damaged, or it has too many rows or takes too much memory.
 pub fn read_parquet<R: MmapBytesReader>(
     mut source: R,
-    length: u64,
+    most: u64,
     columns: Option<&[&str]>,
     rows: Option<(usize, usize)>,
 ) -> PolarsResult<DataFrame> {
     let read = contained(|| {
         let metadata = ParquetReader::new(&mut source).get_metadata()?.clone();
-        let (count, size) = said_size(&metadata, &mut source).map_err(|error| damaged(&error))?;
-        let length = length.max(SMALL);
-        if count > length / ROW_BYTES || size > length.saturating_mul(MAX_GROWTH) {
-            let reason =
-                format!("it says that it has {count} rows in {size} bytes, more than fit into its {length} bytes");
+        let size = said_size(&metadata, &mut source).map_err(|error| damaged(&error))?;
+        let size = size.ok_or_else(|| damaged(&"its parts say other sizes than its end"))?;
+        let memory = memory();
+        if metadata.num_rows as u64 > most || size > memory {
+            let count = metadata.num_rows;
+            let reason = format!(
+                "it has {count} rows in {size} bytes, more than the {most} rows and the {memory} bytes that it may have"
+            );
             return Err(PolarsError::ComputeError(reason.into()));
         }
         let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());
@@ -43,26 +40,36 @@ pub fn read_parquet<R: MmapBytesReader>(
     read.unwrap_or_else(|reason| Err(damaged(&reason)))
 }
 
-/// The most rows that any part of a file says it has, and the bytes that it says they take in memory. A number below 0 is a very large one.
-fn said_size(metadata: &FileMetadata, source: &mut (impl Read + Seek)) -> thrift::Result<(u64, u64)> {
-    let mut source = BufReader::new(source);
-    let (mut count, mut size) = (metadata.num_rows as u64, 0_u64);
-    for group in &metadata.row_groups {
-        count = count.max(group.num_rows() as u64);
-        let mut of_pages = 0_u64;
-        for column in group.parquet_columns() {
-            let (most, bytes) = said_pages(&mut source, column.byte_range(), column.num_values() as u64)?;
-            count = count.max(most);
-            of_pages = of_pages.saturating_add(bytes);
-        }
-        size = size.saturating_add(of_pages.max(group.total_byte_size() as u64));
-    }
-    Ok((count, size))
+/// The number of rows that the end of a file says it has; `None` if it cannot be read.
+pub fn said_rows<R: MmapBytesReader>(mut source: R) -> Option<u64> {
+    contained(|| ParquetReader::new(&mut source).get_metadata().ok().map(|metadata| metadata.num_rows as u64)).ok()?
 }
 
-/// The same of a column with this number of values, whose pages are in a range of bytes.
+/// Bytes of a value in memory, without those of long texts.
+const VALUE_BYTES: u64 = 16;
+
+/// The bytes that a table takes in memory, at most; `None` if a part says that it is larger than the whole. A number below 0 is a very large one.
+fn said_size(metadata: &FileMetadata, source: &mut (impl Read + Seek)) -> thrift::Result<Option<u64>> {
+    let mut source = BufReader::new(source);
+    let (mut rows, mut size) = (0_u64, 0_u64);
+    for group in &metadata.row_groups {
+        rows = rows.saturating_add(group.num_rows() as u64);
+        for column in group.parquet_columns() {
+            let values = column.num_values() as u64;
+            let (most, bytes) = said_pages(&mut source, column.byte_range(), values)?;
+            let whole = column.uncompressed_size() as u64;
+            if most > values || values > group.num_rows() as u64 || bytes > whole {
+                return Ok(None);
+            }
+            size = size.saturating_add(whole).saturating_add(values.saturating_mul(VALUE_BYTES));
+        }
+    }
+    Ok((rows <= metadata.num_rows as u64).then_some(size))
+}
+
+/// The most values that a page of a column says it has, and the bytes of all its pages. The column has this number of values; its pages are in a range of bytes.
 fn said_pages(source: &mut (impl Read + Seek), range: Range<u64>, values: u64) -> thrift::Result<(u64, u64)> {
-    let (mut most, mut size, mut seen, mut place) = (values, 0_u64, 0_u64, range.start);
+    let (mut most, mut size, mut seen, mut place) = (0_u64, 0_u64, 0_u64, range.start);
     while seen < values {
         source.seek(SeekFrom::Start(place))?;
         let left = range.end.saturating_sub(place);
@@ -82,6 +89,14 @@ fn said_pages(source: &mut (impl Read + Seek), range: Range<u64>, values: u64) -
         size = size.saturating_add(header.uncompressed_page_size as u64);
     }
     Ok((most, size))
+}
+
+/// The memory that is free on this machine (bytes), where the system tells it.
+fn memory() -> u64 {
+    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let line = told.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
+    let kilobytes = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
+    kilobytes.map_or(isize::MAX as u64, |kilobytes| kilobytes.saturating_mul(1024))
 }
 
 fn damaged(reason: &dyn ToString) -> PolarsError {

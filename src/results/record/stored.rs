@@ -12,6 +12,7 @@ use super::episodes::{named, outcome_table, repeated_key};
 use super::parquet_reader::read_parquet;
 use super::{DEGREES, EpisodeRow, RunKey, with_degrees};
 use crate::campaign::Task;
+use compile::CHUNK;
 
 /// Some episodes of a run.
 #[derive(Debug, Clone)]
@@ -90,7 +91,7 @@ pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u
 /// # Errors
 /// The bytes are not Parquet, or have other columns.
 pub fn decode(bytes: &[u8]) -> PolarsResult<DataFrame> {
-    let table = read_parquet(Cursor::new(bytes), bytes.len() as u64, None, None)?;
+    let table = read_parquet(Cursor::new(bytes), CHUNK.into(), None, None)?;
     let mut known = outcome_table().frame(&[]);
     if table.get_column_index(DEGREES.name).is_some() {
         with_degrees(&mut known)?;

@@ -14,6 +14,7 @@ use super::staging::staging_file;
 use super::table_stream::{Watched, cause};
 use super::{FileRecord, Manifest, TableStream, catalogue};
 use crate::jobs::KINDS;
+use crate::record::said_rows;
 use base::files;
 
 /// The file whose presence marks a folder as a finished report.
@@ -235,7 +236,9 @@ pub(super) fn report_files(folder: &Path) -> io::Result<Vec<FileRecord>> {
                 // A report has no links, so one is no file that was written, whatever it leads to.
                 let is_link = entry.file_type()?.is_symlink();
                 let blake3 = if is_link { "a link".into() } else { digest(&folder.join(&path))? };
-                records.push(FileRecord { blake3, path: with_slashes(&path) });
+                let is_table = !is_link && path.extension().is_some_and(|extension| extension == "parquet");
+                let rows = if is_table { said_rows(files::open(&folder.join(&path))?) } else { None };
+                records.push(FileRecord { blake3, rows, path: with_slashes(&path) });
             }
         }
     }

@@ -155,6 +155,9 @@ pub struct FileRecord {
     pub path: String,
     /// BLAKE3 of its contents.
     pub blake3: String,
+    /// The number of its rows, if it is a Parquet table of a report.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rows: Option<u64>,
 }
 
 /// A training.
@@ -206,7 +209,7 @@ impl RunRecord {
 impl FileRecord {
     /// Makes a record of a file.
     pub fn new(path: String, contents: &[u8]) -> Self {
-        Self { path, blake3: blake3::hash(contents).to_hex().to_string() }
+        Self { path, blake3: blake3::hash(contents).to_hex().to_string(), rows: None }
     }
 }
 

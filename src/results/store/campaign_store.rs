@@ -33,6 +33,9 @@ pub struct CampaignStore<'a> {
     unread: Mutex<BTreeSet<Task>>,
     /// The tasks whose stored results are not used, until they are made again.
     renewed: Mutex<BTreeSet<Task>>,
+    /// The tasks of which this process has stored something, and those of which it found something that it has not stored.
+    made: Mutex<BTreeSet<Task>>,
+    reused: Mutex<BTreeSet<Task>>,
     /// Wall time of every job (s).
     seconds: Mutex<Vec<f64>>,
     failed: Mutex<Option<StoreError>>,
@@ -61,6 +64,8 @@ impl<'a> CampaignStore<'a> {
             in_hand: Mutex::default(),
             unread: Mutex::default(),
             renewed: Mutex::default(),
+            made: Mutex::default(),
+            reused: Mutex::default(),
             seconds: Mutex::new(vec![0.0; campaign.jobs.len()]),
             failed: Mutex::default(),
             shorter: BTreeMap::new(),
@@ -86,6 +91,11 @@ impl<'a> CampaignStore<'a> {
         let shorter = |task| Some((task, index.shorter(self.campaign, task, seed)?.to_string()));
         self.shorter = tasks(self.campaign).filter_map(shorter).collect();
         self
+    }
+
+    /// The number of tasks of which something was found that this process has not made.
+    pub fn reused(&self) -> usize {
+        lock(&self.reused).len()
     }
 
     /// Wall time of every job (s), also of earlier runs.
@@ -151,6 +161,9 @@ impl ResultStore for CampaignStore<'_> {
                 (Header { state: State::Begun, ..header }, bytes)
             }
         };
+        if !lock(&self.made).contains(&task) {
+            lock(&self.reused).insert(task);
+        }
         if let Some(in_hand) = lock(&self.in_hand).get_mut(&task) {
             in_hand.before = header.seconds;
         }
@@ -167,9 +180,11 @@ impl ResultStore for CampaignStore<'_> {
         let seconds = lock(&self.in_hand).get(&task).map_or(0.0, in_hand);
         lock(&self.seconds)[task.job] = seconds;
         lock(&self.renewed).remove(&task);
+        lock(&self.made).insert(task);
         let Stored { state, done, error, bytes } = stored;
         let what = task_name(self.campaign, task);
-        let header = Header { what, state: *state, done: *done, error: error.clone(), seconds, length: 0 };
+        let header =
+            Header { task: String::new(), what, state: *state, done: *done, error: error.clone(), seconds, length: 0 };
         if let Err(error) = self.store.write(self.id(task), &header, bytes) {
             self.fail(error);
         }

@@ -61,7 +61,7 @@ impl Store {
     /// Opens the store of a folder for reports without changing anything.
     ///
     /// # Errors
-    /// The named cache is not a cache.
+    /// The named cache is not a cache, or a link is in the store.
     pub fn look(out: &Path, cache: Option<&Path>, note: Note) -> Result<Self, StoreError> {
         let place = Place::of(out, cache)?;
         place.check()?;
@@ -69,8 +69,13 @@ impl Store {
     }
 
     /// Opens the store in a folder for reports, or in a cache, without changing anything.
-    pub fn within(folder: &Path, note: Note) -> Self {
-        Self { place: Place::within(folder), work: None, drafts: None, note, said: Mutex::default() }
+    ///
+    /// # Errors
+    /// A link is in it.
+    pub fn within(folder: &Path, note: Note) -> Result<Self, StoreError> {
+        let place = Place::within(folder);
+        place.check_links()?;
+        Ok(Self { place, work: None, drafts: None, note, said: Mutex::default() })
     }
 
     /// The path of a task, if it is there.
@@ -109,8 +114,8 @@ impl Store {
     /// Its file is there and cannot be read, for example without permission or when too many files are open.
     pub fn read(&self, id: Id) -> Result<Found, StoreError> {
         let found = self.read_named(&id.to_string())?;
-        if found == Found::Damaged {
-            self.damaged(id);
+        if let Found::Damaged(reason) = &found {
+            self.unused(id, reason);
         }
         Ok(found)
     }
@@ -126,17 +131,24 @@ impl Store {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
             Err(source) => return Err(StoreError::Unread { path, source }),
         };
-        Ok(task_file::decode(bytes).map_or(Found::Damaged, |(header, bytes)| Found::Whole(header, bytes)))
+        Ok(match task_file::decode_of(name, bytes) {
+            Ok((header, bytes)) => Found::Whole(header, bytes),
+            Err(reason) => Found::Damaged(reason),
+        })
     }
 
     /// Reports once that a task is damaged.
     pub fn damaged(&self, id: Id) {
+        self.unused(id, "is damaged");
+    }
+
+    fn unused(&self, id: Id, reason: &str) {
         if self.said.lock().unwrap_or_else(PoisonError::into_inner).insert(id) {
-            (self.note)(&format!("`{}` is damaged; its task is done again", self.path(id).display()));
+            (self.note)(&format!("`{}` {reason}; its task is done again", self.path(id).display()));
         }
     }
 
-    /// Reads the header of a task without its bytes; the error is `damaged` or `unreadable`.
+    /// Reads the header of a task without its bytes; the error is `damaged`, `unreadable` or `of another task`.
     pub fn head(&self, id: Id) -> Option<Result<Header, &'static str>> {
         self.head_of(&self.path(id))
     }
@@ -157,7 +169,9 @@ impl Store {
         };
         let head = task_file::head(&start);
         let whole = head.filter(|(header, start)| task_file::whole_length(header, *start) == length);
-        Some(whole.map(|(header, _)| header).ok_or("damaged"))
+        let Some((header, _)) = whole else { return Some(Err("damaged")) };
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        Some(if header.check(name).is_ok() { Ok(header) } else { Err("of another task") })
     }
 
     /// Writes a task. Its file appears whole or not at all. A finished task survives a power cut.
@@ -165,7 +179,7 @@ impl Store {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, id: Id, header: &Header, bytes: &[u8]) -> Result<(), StoreError> {
-        let header = Header { length: bytes.len() as u64, ..header.clone() };
+        let header = Header { task: id.to_string(), length: bytes.len() as u64, ..header.clone() };
         let sync = header.state == State::Finished;
         self.put(&self.path(id), &task_file::encode(&header, bytes), sync)
     }

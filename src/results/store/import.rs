@@ -18,8 +18,8 @@ pub enum Taken {
     Part(u64),
     /// No store has it.
     Missing,
-    /// A file of it is damaged, and no other store has it.
-    Damaged(PathBuf),
+    /// A file in its place is damaged or of another task, as the text says, and no other store has it.
+    Damaged(PathBuf, String),
     /// Two stores have different results.
     Differ(PathBuf, PathBuf),
 }
@@ -34,8 +34,8 @@ impl Store {
         let mut damaged = None;
         for store in std::iter::once(self).chain(others) {
             let found = store.read(id)?;
-            if found == Found::Damaged {
-                damaged.get_or_insert_with(|| store.path(id));
+            if let Found::Damaged(reason) = &found {
+                damaged.get_or_insert_with(|| Taken::Damaged(store.path(id), reason.clone()));
             }
             if let (Some((first, Found::Whole(one, bytes))), Found::Whole(other, others)) = (&best, &found)
                 && one.state == State::Finished
@@ -49,7 +49,7 @@ impl Store {
             }
         }
         let Some((owner, Found::Whole(header, _))) = best else {
-            return Ok(damaged.map_or(Taken::Missing, Taken::Damaged));
+            return Ok(damaged.unwrap_or(Taken::Missing));
         };
         if !std::ptr::eq(owner, self) {
             self.bring(&owner.path(id), &self.path(id))?;
@@ -85,6 +85,6 @@ fn rank(found: &Found) -> (u8, u64) {
             State::Failed => (2, header.done),
             State::Begun => (1, header.done),
         },
-        Found::Nothing | Found::Damaged => (0, 0),
+        Found::Nothing | Found::Damaged(_) => (0, 0),
     }
 }

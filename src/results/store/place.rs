@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::StoreError;
 use super::work_folder::{self, LOCK, WorkFolder};
+use base::files;
 
 /// The folder beside the reports: for tasks, and for reports that are being written.
 const NAME: &str = ".falsify";
@@ -98,11 +99,30 @@ impl Place {
         self.root == self.beside
     }
 
-    /// Checks that a cache is a folder of tasks, or empty, or does not exist yet.
+    /// Checks that no link is in the folders of tasks and drafts, or in place of the one beside the reports: what it leads to is not ours.
     ///
     /// # Errors
-    /// It has other contents.
+    /// There is one, or a folder cannot be read.
+    pub fn check_links(&self) -> Result<(), StoreError> {
+        let link = |folder: &Path| {
+            if folder == self.beside && folder.is_symlink() {
+                return Ok(Some(folder.to_path_buf()));
+            }
+            // What is no folder has a message of its own.
+            let found = if folder.is_dir() { files::first_link(folder) } else { Ok(None) };
+            found.map_err(|source| StoreError::Unread { path: folder.to_path_buf(), source })
+        };
+        let first = link(&self.beside)?;
+        let first = if first.is_none() && !self.is_beside() { link(&self.root)? } else { first };
+        first.map_or(Ok(()), |path| Err(StoreError::Link { path }))
+    }
+
+    /// Checks that a cache is a folder of tasks, or empty, or does not exist yet, and that no link is in it.
+    ///
+    /// # Errors
+    /// It has other contents, or a link.
     pub fn check(&self) -> Result<(), StoreError> {
+        self.check_links()?;
         let path = || self.root.clone();
         if self.is_beside() || !self.root.exists() {
             return Ok(());
@@ -116,7 +136,7 @@ impl Place {
             return Ok(());
         };
         // The explanation is the first that a cache gets. It is read last: another process may have begun the cache meanwhile.
-        let about = base::files::text(&self.root.join(README)).unwrap_or_default();
+        let about = files::text(&self.root.join(README)).unwrap_or_default();
         if about.lines().next() == ABOUT.lines().next() {
             return Ok(());
         }

@@ -25,6 +25,13 @@ pub enum StoreError {
         path: PathBuf,
         source: io::Error,
     },
+    /// A link is in a folder of tasks.
+    #[error(
+        "`{path}` is a link, and nothing in a folder of tasks is read or written through one; remove it, or choose another folder with \
+         --out or --cache",
+        path = path.display()
+    )]
+    Link { path: PathBuf },
     /// The cache is inside the folder for reports.
     #[error(
         "the cache `{cache}` is in the folder for reports, `{out}`, where every folder is a report; name one elsewhere, or none to have it \

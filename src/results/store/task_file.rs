@@ -5,13 +5,15 @@ use serde::{Deserialize, Serialize};
 use crate::campaign::State;
 
 /// The first line.
-const MAGIC: &[u8] = b"falsify task 1\n";
+const MAGIC: &[u8] = b"falsify task 2\n";
 /// Bytes of the checksum.
 const SUM: usize = 32;
 
 /// The header of a task file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
+    /// Its name, which is a digest of all that it depends on. A file with another name holds the result of another task.
+    pub task: String,
     /// What it is, for people.
     pub what: String,
     /// Its progress.
@@ -31,8 +33,8 @@ pub struct Header {
 pub enum Found {
     /// No file.
     Nothing,
-    /// A file that is not a task, or that was changed.
-    Damaged,
+    /// A file that is not this task, or that was changed: what is wrong with it, after the name of the file.
+    Damaged(String),
     /// A task.
     Whole(Header, Vec<u8>),
 }
@@ -57,6 +59,26 @@ pub fn decode(mut file: Vec<u8>) -> Option<(Header, Vec<u8>)> {
     Some((header, file.split_off(start)))
 }
 
+/// Decodes the file of a task; none but of that task.
+///
+/// # Errors
+/// What is wrong with it, after the name of the file.
+pub fn decode_of(task: &str, file: Vec<u8>) -> Result<(Header, Vec<u8>), String> {
+    let (header, bytes) = decode(file).ok_or("is damaged")?;
+    header.check(task)?;
+    Ok((header, bytes))
+}
+
+impl Header {
+    /// Checks that it is of a task of this name.
+    ///
+    /// # Errors
+    /// It is of another one, which the text names.
+    pub fn check(&self, task: &str) -> Result<(), String> {
+        if self.task == task { Ok(()) } else { Err(format!("holds the result of another task, `{}`", self.what)) }
+    }
+}
+
 /// Reads the header at the start of a file, and where the bytes start.
 pub fn head(start: &[u8]) -> Option<(Header, usize)> {
     let rest = start.strip_prefix(MAGIC)?;
@@ -76,6 +98,7 @@ mod tests {
     #[test]
     fn any_changed_or_missing_byte_is_found() {
         let header = Header {
+            task: "ab".into(),
             what: "train r1 in a\nb".into(),
             state: State::Begun,
             done: 3,
@@ -92,5 +115,7 @@ mod tests {
             assert_eq!(decode(file[..place].to_vec()), None, "{place} bytes");
         }
         assert_eq!(decode([file.as_slice(), b" "].concat()), None);
+        assert!(decode_of("ab", file.clone()).is_ok());
+        assert_eq!(decode_of("cd", file).unwrap_err(), "holds the result of another task, `train r1 in a\nb`");
     }
 }

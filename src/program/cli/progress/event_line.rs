@@ -59,7 +59,7 @@ pub enum EventLine<'a> {
     /// A problem that does not end the run.
     Warning { campaign: &'a str, message: &'a str },
     /// A report is in its place.
-    ReportWritten { campaign: &'a str, folder: &'a Path, complete: bool },
+    ReportWritten { campaign: &'a str, folder: &'a Path, complete: bool, tasks: usize, reused: usize },
     /// The overview of several reports is in its place.
     OverviewWritten { page: &'a Path },
     /// The program ends.

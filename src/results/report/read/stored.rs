@@ -34,6 +34,9 @@ pub enum ReadError {
         path: PathBuf,
         source: io::Error,
     },
+    /// A link is in a report.
+    #[error("`{path}` is a link; a report has none, and none is followed: take the report from where it is whole", path = path.display())]
+    Link { path: PathBuf },
     /// The manifest is not ours, or is of a version that lacks necessary data.
     #[error("`{path}` is not a manifest that episodes can be repeated from: {reason}", path = path.display())]
     Manifest {
@@ -119,9 +122,13 @@ impl StoredReport {
     /// Opens the report in a folder.
     ///
     /// # Errors
-    /// There is no manifest, or one that lacks necessary data.
+    /// There is a link in it, or no manifest, or one that lacks necessary data.
     pub fn open(folder: &Path) -> Result<Self, ReadError> {
         let path = folder.join(MARK);
+        let links = if folder.is_dir() { files::first_link(folder) } else { Ok(None) };
+        if let Some(path) = links.map_err(|source| ReadError::File { path: folder.to_path_buf(), source })? {
+            return Err(ReadError::Link { path });
+        }
         let text = files::text(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
         let manifest = Manifest::from_toml(&text).map_err(|reason| ReadError::Manifest { path, reason })?;
         Ok(Self { folder: folder.to_path_buf(), manifest, failures: OnceLock::new() })
@@ -397,8 +404,8 @@ impl StoredReport {
             }
             Err(source) => return Err(ReadError::File { path, source }),
         };
-        let length = file.metadata().map_or(0, |metadata| metadata.len());
-        read_parquet(file, length, columns, rows).map(Some).map_err(|source| ReadError::Table { path, source })
+        let most = self.written(table).and_then(|written| written.rows).unwrap_or(u64::MAX);
+        read_parquet(file, most, columns, rows).map(Some).map_err(|source| ReadError::Table { path, source })
     }
 
     /// The names of all rows of a table.
