@@ -137,11 +137,13 @@ pub mod results {
     pub use results::campaign::{Event as CampaignEvent, Shard, Task};
     #[doc(inline)]
     pub use results::report::{
-        Cell, Difference, FileRecord, Gate, GateError, Judged, Manifest, ProgramRecord, Rate, ReadError, RunRecord,
+        Difference, FileRecord, Gate, GateError, Judged, Manifest, ProgramRecord, Rate, ReadError, RunRecord,
         ScenarioFile, SearchCell, Section, StoredReport, TooFewRuns, TrainingRecord, WriteError,
     };
     #[doc(inline)]
     pub use results::store::{Known, Limits, StoreError};
+    #[doc(inline)]
+    pub use results::tables::{Cell, Cells, Metric, metrics};
     #[doc(inline)]
     pub use world::env::{Outcome, Scenario};
     #[doc(inline)]

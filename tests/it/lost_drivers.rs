@@ -1,5 +1,9 @@
 //! A driver that leaves the road: a warning leads its report, and its episodes are in no rate unless the scenario asks for them.
 
+use falsify::results::metrics::{
+    ALL_EPISODES, COLLISION_RATE, COLLISIONS, EPISODES, FAULT_RATE, LEFT_OUT_EPISODES, LEFT_ROAD_EPISODES,
+    PLACED_STARTS, ROAD_END_EPISODES,
+};
 use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
@@ -96,11 +100,27 @@ fn a_driver_that_circles_has_a_warning_and_no_rate() {
     run("", |report, warnings| {
         let cell = |policy: &str| report.cells.iter().find(|cell| cell.key.policy == policy).unwrap();
         let lost = cell("lost");
-        assert_eq!((lost.all, lost.left_out, lost.placed, lost.episodes), (20, 20, 20, 0));
-        assert_eq!((lost.collisions, lost.collision.value, lost.fault.value), (0, None, None));
+        assert_eq!(
+            (
+                lost.count(&ALL_EPISODES),
+                lost.count(&LEFT_OUT_EPISODES),
+                lost.count(&PLACED_STARTS),
+                lost.count(&EPISODES)
+            ),
+            (20, 20, 20, 0)
+        );
+        assert_eq!((lost.count(&COLLISIONS), lost.value(&COLLISION_RATE), lost.value(&FAULT_RATE)), (0, None, None));
         let blind = cell("blind");
-        assert_eq!((blind.all, blind.left_out, blind.left_road, blind.episodes), (20, 0, 0, 20));
-        assert!(blind.collisions > 0);
+        assert_eq!(
+            (
+                blind.count(&ALL_EPISODES),
+                blind.count(&LEFT_OUT_EPISODES),
+                blind.count(&LEFT_ROAD_EPISODES),
+                blind.count(&EPISODES)
+            ),
+            (20, 0, 0, 20)
+        );
+        assert!(blind.count(&COLLISIONS) > 0);
 
         let [warning] = warnings else { panic!("{warnings:?}") };
         assert!(warning.starts_with("`lost` in harbour did not reach its start in 20 of 20 run-ups"), "{warning}");
@@ -126,8 +146,16 @@ fn a_driver_that_circles_has_a_warning_and_no_rate() {
 fn a_scenario_can_count_the_episodes_of_a_lost_driver() {
     run("count_all: true", |report, warnings| {
         let lost = report.cells.iter().find(|cell| cell.key.policy == "lost").unwrap();
-        assert_eq!((lost.all, lost.left_out, lost.placed, lost.episodes), (20, 0, 20, 20));
-        assert!(lost.collision.value.is_some() && lost.left_road > 0);
+        assert_eq!(
+            (
+                lost.count(&ALL_EPISODES),
+                lost.count(&LEFT_OUT_EPISODES),
+                lost.count(&PLACED_STARTS),
+                lost.count(&EPISODES)
+            ),
+            (20, 0, 20, 20)
+        );
+        assert!(lost.value(&COLLISION_RATE).is_some() && lost.count(&LEFT_ROAD_EPISODES) > 0);
         assert!(warnings.iter().any(|warning| warning.contains("its figures there say little")), "{warnings:?}");
     });
 }
@@ -152,7 +180,10 @@ campaign lost {
         assert!(past >= 10, "{past} of {}", rows.len());
         assert!(rows.iter().all(|row| row[0] == "straight" || row[1].is_empty()), "our own drivers stop at the end");
         let straight = report.cells.iter().find(|cell| cell.key.policy == "straight").unwrap();
-        assert_eq!((straight.road_end as usize, straight.left_out as usize), (past, past));
+        assert_eq!(
+            (straight.count(&ROAD_END_EPISODES) as usize, straight.count(&LEFT_OUT_EPISODES) as usize),
+            (past, past)
+        );
         let [warning] = warnings else { panic!("{warnings:?}") };
         assert!(warning.starts_with("`straight` in strip drove past the end of the road in"), "{warning}");
         assert!(warning.contains("make the road longer"), "{warning}");

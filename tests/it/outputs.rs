@@ -1,6 +1,7 @@
 //! Outputs that cannot be written are errors with their cause; inputs without an end are refused; nothing else on the disk is replaced.
 #![cfg(target_os = "linux")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
@@ -136,4 +137,40 @@ fn a_reader_that_has_enough_ends_a_list_of_repetitions() {
         .unwrap();
     drop(child.stdout.take());
     assert!(child.wait().unwrap().success());
+}
+
+/// An untrained pedestrian walks the same for every reward. Its episodes are counted once; its mean rewards are two.
+#[test]
+fn what_does_not_depend_on_the_reward_is_counted_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = |rewards: &str| {
+        format!(
+            "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/rewards.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+             training quick = ppo(steps: 120, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])\n\
+             spawn near {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }}\nepisode short {{ ticks: 120  hold: 10 }}\n\
+             campaign mine {{ vehicle: model3 body: plausible spawn: near episode: short training: quick\n\
+             train {{ towns: [harbour] drivers: [behavior] rewards: [{rewards}] runs: 1 }}\n\
+             evaluate {{ towns: [harbour] drivers: [blind] pedestrians: [trained, intercept] episodes: 40 }} }}\n"
+        )
+    };
+    let tables = |rewards: &str, out: &str| {
+        std::fs::write(folder.path().join("mine.scn"), campaign(rewards)).unwrap();
+        let run = falsify(&["run", "mine.scn", "--out", out], folder.path());
+        assert!(run.status.success(), "{run:?}");
+        let lines = |table: &str| {
+            let text = fs::read_to_string(folder.path().join(out).join(format!("mine/{table}.csv"))).unwrap();
+            text.lines().map(String::from).collect::<Vec<_>>()
+        };
+        let of_intercept = |table: &str| lines(table).into_iter().filter(|line| line.contains("intercept"));
+        // The names of runs come first.
+        let run = |line: &String| line.split(',').next().unwrap().to_owned();
+        let runs: BTreeSet<String> = of_intercept("episodes").map(|line| run(&line)).collect();
+        let failed: BTreeSet<String> = lines("failures").iter().map(run).filter(|id| runs.contains(id)).collect();
+        (of_intercept("results").count(), of_intercept("metrics").collect::<Vec<_>>(), runs.len(), failed.len())
+    };
+    let (results, metrics, runs, failed) = tables("fault, fault_focused", "two");
+    let (alone, metrics_alone, run, failed_alone) = tables("fault", "one");
+    assert_eq!(((results, runs, failed), (alone, run, failed_alone)), ((1, 2, 1), (1, 1, 1)));
+    let rewards = metrics.iter().filter(|line| line.contains(",episode_reward,")).count();
+    assert_eq!((rewards, metrics.len()), (2, metrics_alone.len() + 1), "{metrics:?}");
 }

@@ -2,7 +2,8 @@ use std::path::PathBuf;
 
 use super::OverviewFiles;
 use results::campaign::Shard;
-use results::report::{Cell, Doubt, DriverResult, Gate, Judged, Manifest, SearchCell, Section};
+use results::report::{Doubt, DriverResult, Gate, Judged, Manifest, SearchCell, Section};
+use results::tables::Cells;
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -47,7 +48,7 @@ pub struct CampaignReport {
     /// How it was made.
     pub manifest: Manifest,
     /// Means and intervals of each cell of the grid, in the order of the table `results`.
-    pub cells: Vec<Cell>,
+    pub cells: Cells,
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
     /// Means of the searches, in the order of their rows in `metrics`.

@@ -128,6 +128,12 @@ pub struct RunKey {
 }
 
 impl RunKey {
+    /// What it shares with runs that walk the same for other rewards: an untrained pedestrian is evaluated for each reward of a campaign, and counts once.
+    pub fn of_any_reward(&self) -> (CellKey, u32) {
+        let reward = if self.cell.is_of_reward() { self.cell.reward.clone() } else { String::new() };
+        (CellKey { reward, ..self.cell.clone() }, self.run)
+    }
+
     /// The key of an evaluation.
     pub fn of(evaluation: &Evaluation) -> Self {
         Self { id: evaluation.origin.id, cell: CellKey::of(evaluation), run: evaluation.trained.run }

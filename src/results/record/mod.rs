@@ -1,14 +1,13 @@
 //! An episode in a table: its key, its row, and the catalogue of columns, from which writing, reading and the reference follow.
 //!
 //! A [`Column`] has a name, a unit and a meaning, and is the only place where these are spelt. A [`Table`] pairs each column with a
-//! function that reads it from a row; [`metrics`] has what runs and cells make of the columns of episodes. [`EpisodeTable`] reads the table of
+//! function that reads it from a row; [`tables`](crate::tables) have what runs and cells make of the columns of episodes. [`EpisodeTable`] reads the table of
 //! episodes back by type. Tables of other modules have the same parts, defined beside the type of their rows.
 
 mod key;
 mod row;
 mod column;
 pub mod columns;
-pub mod metric;
 pub(crate) mod episodes;
 mod read;
 mod stored;
@@ -21,7 +20,6 @@ pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, R
 pub use degrees::{DEGREES, parse as parse_degrees, with_degrees};
 pub use episodes::{EPISODES, IN_ERROR, cell_key, episode_references, episode_table, episodes};
 pub use key::{CellKey, RunKey, in_block, in_world};
-pub use metric::{Metric, metrics};
 pub use parquet_reader::{read_parquet, said_rows};
 pub use read::EpisodeTable;
 pub use row::EpisodeRow;

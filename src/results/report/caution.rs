@@ -1,13 +1,15 @@
-use std::collections::BTreeMap;
 use std::fmt;
 
-use super::aggregate::{Cell, SearchCell};
+use super::aggregate::SearchCell;
 use super::off_road::{OffRoadDriver, off_road};
 use crate::jobs::SearchResult;
-use world::judge::Label;
+use crate::record::CellKey;
+use crate::record::columns::{TOWN, WORLD};
+use crate::tables::Cells;
+use crate::tables::metrics::{COLLISIONS, MACHINE_PREVENTABLE_COLLISIONS, UNPREVENTABLE_COLLISIONS};
 
 /// Fewer collisions than this say nothing about the starts.
-const MIN_COLLISIONS: u32 = 10;
+const MIN_COLLISIONS: u64 = 10;
 /// Above this share of unpreventable collisions a caution is due.
 const MAX_HOPELESS: f64 = 0.9;
 
@@ -20,8 +22,8 @@ pub enum Caution {
     NoChance {
         town: String,
         /// The collisions there in evaluations, and those that no careful human avoids.
-        collisions: u32,
-        hopeless: u32,
+        collisions: u64,
+        hopeless: u64,
     },
     /// A search had no episode.
     EmptySearch {
@@ -50,7 +52,7 @@ impl fmt::Display for Caution {
 }
 
 /// All of them: of drivers, of towns, of searches.
-pub fn cautions(cells: &[Cell], results: &[SearchResult], searches: &[SearchCell]) -> Vec<Caution> {
+pub fn cautions(cells: &Cells, results: &[SearchResult], searches: &[SearchCell]) -> Vec<Caution> {
     // Episodes that are left out fitted into the budget; why they are is said of the driver. So is why a search ended early.
     let is_lost = |search: &SearchCell| {
         let mut own = results.iter().filter(|result| result.key.is_of_same_cell(&search.key));
@@ -63,37 +65,29 @@ pub fn cautions(cells: &[Cell], results: &[SearchResult], searches: &[SearchCell
 
 /// The towns in which nearly all collisions are beyond careful humans, whoever drives. A baseline that sees no pedestrian collides also where others
 /// would not, so beside one there is seldom such a town.
-fn no_chance(cells: &[Cell]) -> Vec<Caution> {
-    let mut sums: BTreeMap<String, (u32, u32)> = BTreeMap::new();
-    for cell in cells {
-        let (all, hopeless) = sums.entry(cell.key.place()).or_default();
-        *all += cell.collisions;
-        *hopeless += [Label::MachinePreventable, Label::Unpreventable]
-            .map(|label| cell.labels[label as usize])
-            .iter()
-            .sum::<u32>();
-    }
-    let nearly_all =
-        |(all, hopeless): &(u32, u32)| *all >= MIN_COLLISIONS && f64::from(*hopeless) > MAX_HOPELESS * f64::from(*all);
-    let caution =
-        |(town, (collisions, hopeless)): (String, (u32, u32))| Caution::NoChance { town, collisions, hopeless };
-    sums.into_iter().filter(|(_, sums)| nearly_all(sums)).map(caution).collect()
+fn no_chance(cells: &Cells) -> Vec<Caution> {
+    let by_town =
+        cells.sums(&[WORLD, TOWN], &[&COLLISIONS, &MACHINE_PREVENTABLE_COLLISIONS, &UNPREVENTABLE_COLLISIONS]);
+    let caution = |(key, [collisions, machine, unpreventable]): (CellKey, [u64; 3])| {
+        let hopeless = machine + unpreventable;
+        let nearly_all = collisions >= MIN_COLLISIONS && hopeless as f64 > MAX_HOPELESS * collisions as f64;
+        nearly_all.then(|| Caution::NoChance { town: key.place(), collisions, hopeless })
+    };
+    by_town.into_iter().filter_map(caution).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::CellKey;
+    use crate::tables::Cell;
 
     #[test]
     fn a_town_whose_collisions_no_careful_human_avoids_is_named() {
         let cell = |town: &str, collisions: u32, hopeless: u32| {
-            let mut labels = [0; Label::COUNT];
-            labels[Label::Unpreventable as usize] = hopeless;
             let key = CellKey { town: town.into(), ..CellKey::default() };
-            Cell { key, collisions, labels, ..Cell::default() }
+            Cell::example(key, &[(&COLLISIONS, collisions), (&UNPREVENTABLE_COLLISIONS, hopeless)], &[])
         };
-        let cells = [cell("bend", 9, 9), cell("bend", 9, 8), cell("few", 9, 9), cell("fair", 20, 15)];
+        let cells = Cells::example(&[cell("bend", 9, 9), cell("bend", 9, 8), cell("few", 9, 9), cell("fair", 20, 15)]);
         let said: Vec<String> = cautions(&cells, &[], &[]).iter().map(ToString::to_string).collect();
         let [said] = &said[..] else { panic!("{said:?}") };
         assert!(said.starts_with("no careful human avoids 17 of the 18 collisions in bend"), "{said}");

@@ -1,30 +1,18 @@
-//! What gates know of a cell: its metrics, the evidence on them, and its violations.
+//! What gates know of a cell: the table of cells, and beside it the evidence, its test and its requirements.
 
-use super::aggregate::{Cell, CellRequirement, GATED, ProtocolCell, Rate, passed_share, score};
+use polars::prelude::{
+    DataFrame, Expr, IntoLazy, JoinArgs, JoinType, MaintainOrderJoin, NULL, PolarsResult, col, lit, when,
+};
+
+use super::Findings;
+use super::aggregate::{CellRequirement, Counted, GATED, ProtocolCell, passed_share, score};
 use super::infer::{BEATS_UNTRAINED, CellEvidence, Figure, IMPACT_SPEED_P90, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
-use crate::record::metric::{IMPACT_SPEED, MEAN, RUNS};
-use crate::record::{CellKey, Column, ColumnReference, Entry, Metric, Role, Table, cell_key, metrics};
+use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key};
+use crate::tables::metrics::IMPACT_SPEED;
+use crate::tables::{Cells, IS_OF_CASES, cell_columns, key_columns};
 use base::statistics::wilson;
 use world::judge::Reference;
-
-/// A cell with all that is known of it.
-#[derive(Clone, Copy)]
-pub struct KnownCell<'a> {
-    pub cell: &'a Cell,
-    pub evidence: &'a CellEvidence,
-    /// The violations in all cells.
-    pub requirements: &'a [CellRequirement],
-    /// The results in the tests of a protocol, of all cells.
-    pub tests: &'a [(CellKey, Vec<ProtocolCell>)],
-}
-
-impl KnownCell<'_> {
-    /// The results in its test; empty if it is of no protocol.
-    fn test(&self) -> &[ProtocolCell] {
-        self.tests.iter().find(|(key, _)| *key == self.cell.key).map_or(&[], |(_, cells)| cells)
-    }
-}
 
 /// The columns of a cell's test: the mean of its colours' shares of the points, the share of its cases that are passed, and the number of cases without a
 /// result at the test speed.
@@ -32,76 +20,108 @@ pub const SCORE: &str = "score";
 pub const PASSED: &str = "passed";
 pub const NOT_TESTED: &str = "not_tested";
 
+/// A cell with its results in the tests of a protocol.
+type Tested = (CellKey, Vec<ProtocolCell>);
+
 /// The columns that gates may name, with the rates of these requirements.
-pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
-    type Row<'a> = KnownCell<'a>;
-    let mut table = Table::new("cells", "One row for each cell: all runs that differ in their number alone.")
-        .columns(cell_key(|row: &Row<'a>| &row.cell.key))
-        .column(Metric::Count(RUNS).entry(|row: &Row<'a>| Some(f64::from(row.cell.runs))));
-    let metrics = metrics();
-    for metric in &metrics {
-        if let Metric::Count(count) = *metric {
-            table = table.column(metric.entry(move |row: &Row<'a>| Some(f64::from(row.cell.count(count)))));
-        }
+pub fn gate_columns(requirements: &[&str]) -> Vec<ColumnReference> {
+    let keys = key_columns().len();
+    let more = |columns: Vec<ColumnReference>| columns.into_iter().skip(keys);
+    let mut all = cell_columns();
+    all.extend(more(evidence_table().reference().columns));
+    all.extend(more(test_table().reference().columns));
+    for name in requirements {
+        all.extend(more(requirement_columns(name).reference().columns));
     }
-    for metric in metrics.iter().filter(|metric| !matches!(metric, Metric::Count(_))) {
-        let name = metric.name();
-        let of = move |row: &Row<'a>| row.cell.average(name);
-        table = table
-            .column(MEAN.of(name, move |row: &Row<'a>| of(row)?.value).of_figure(name, metric.reference().role))
-            .column(number(format!("{name}_sd"), move |row| of(row)?.sd).of_figure(name, Role::Deviation));
-        if matches!(*metric, Metric::Rate(_)) {
-            table = table.columns(interval(name, "wilson", move |row| of(row)?.interval));
-        }
+    all
+}
+
+/// The table that gates judge: a row for each cell, all runs that differ in their number alone.
+///
+/// # Errors
+/// Those of polars; none.
+pub fn gate_table(found: &Findings<'_>, requirements: &[&str]) -> PolarsResult<DataFrame> {
+    let gathered = &found.gathered;
+    let evidence = evidence_table().frame(&gathered.evidence.cells);
+    let mut table = beside(cells_of(&found.cells), evidence)?;
+    // The cases of a test are no sample.
+    let ends = evidence_table().reference().columns.into_iter();
+    let ends = ends.filter(|column| matches!(column.role, Role::LowerBound | Role::UpperBound));
+    let of_samples = |column: ColumnReference| -> Expr {
+        let name = column.name.into_owned();
+        when(col(IS_OF_CASES.name).not()).then(col(&name)).otherwise(lit(NULL)).alias(&name)
+    };
+    table = table.lazy().with_columns(ends.map(of_samples).collect::<Vec<_>>()).collect()?;
+    table = beside(table, test_table().frame(&gathered.tests))?;
+    table = table.lazy().with_column(col(NOT_TESTED).fill_null(lit(0.0))).collect()?;
+    for name in requirements {
+        let own: Vec<CellRequirement> =
+            gathered.requirements.iter().filter(|each| each.name == *name).cloned().collect();
+        table = beside(table, requirement_columns(name).frame(&own))?;
     }
+    Ok(table)
+}
+
+/// The table of cells; without any, its columns.
+fn cells_of(cells: &Cells) -> DataFrame {
+    if cells.is_empty() { Cells::default().table().clone() } else { cells.table().clone() }
+}
+
+/// The columns of a table beside those of another one, by the key of the cell.
+fn beside(left: DataFrame, right: DataFrame) -> PolarsResult<DataFrame> {
+    let keys: Vec<Expr> = key_columns().iter().map(col).collect();
+    let arguments = JoinArgs { maintain_order: MaintainOrderJoin::Left, ..JoinArgs::new(JoinType::Left) };
+    left.lazy().join(right.lazy(), keys.clone(), keys, arguments).collect()
+}
+
+/// What further trainings and the reference drivers say of a cell.
+fn evidence_table<'a>() -> Table<'a, CellEvidence> {
+    type Row = CellEvidence;
+    let mut table = Table::new("evidence", "").columns(cell_key(|row: &Row| &row.key));
     for figure in Figure::ALL {
-        table = table.columns(interval(figure.name(), "student", move |row| {
-            row.evidence.between(figure).interval.filter(|_| !row.cell.is_of_cases)
-        }));
+        table = table.columns(interval(figure.name(), "student", move |row: &Row| row.between(figure).interval));
     }
-    let p90 = IMPACT_SPEED_P90.of(|row: &Row<'a>| row.evidence.impact_speed_p90.0);
+    let p90 = IMPACT_SPEED_P90.of(|row: &Row| row.impact_speed_p90.0);
     table = table.column(p90.of_figure(IMPACT_SPEED.name, Role::Plain));
     for reference in Reference::ALL {
         for (place, ColumnReference { name, .. }) in reference_rates(reference).into_iter().enumerate() {
-            let part = move |row: &Row<'a>| row.evidence.rates_of(reference)[place].1;
-            let rate = move |row: &Row<'a>| part(row).share_of(&row.evidence.episodes);
-            let ends = move |row: &Row<'a>| (!row.cell.is_of_cases).then(|| wilson(part(row), row.evidence.episodes));
+            let part = move |row: &Row| row.rates_of(reference)[place].1;
+            let rate = move |row: &Row| part(row).share_of(&row.episodes);
+            let ends = move |row: &Row| Some(wilson(part(row), row.episodes));
             table = table.column(share(&name, rate)).columns(interval(&name, "wilson", ends));
         }
     }
-    let learning = |row: &Row<'a>| row.evidence.learning.clone();
-    let disagree = move |row: &Row<'a>| Some(if learning(row)?.disagree()? { "yes" } else { "no" });
-    table = table
-        .column(
-            BEATS_UNTRAINED.of(move |row: &Row<'a>| learning(row).map(|learning| learning.beats_untrained().name())),
-        )
-        .column(Column::<String>::new(TRAININGS_DISAGREE.name, "", "").of(disagree));
-    let not_tested = |row: &Row<'a>| row.test().iter().filter(|cell| !cell.is_tested()).count();
-    table = table.column(share(SCORE, |row| score(row.test().iter())));
-    table = table.column(share(PASSED, |row| passed_share(row.test())));
-    table = table.column(number(NOT_TESTED.into(), move |row| Some(not_tested(row) as f64)));
-    for name in requirements {
-        let named = String::from(*name);
-        let applied = move |row: &Row<'a>| {
-            let mut own = row.requirements.iter().filter(|each| each.key == row.cell.key);
-            Some(own.find(|each| each.name == named)?.sums(CellRequirement::ALL).1.into())
+    let beats = |row: &Row| row.learning.as_ref().map(|learning| learning.beats_untrained().name());
+    let disagree = |row: &Row| Some(if row.learning.as_ref()?.disagree()? { "yes" } else { "no" });
+    table.column(BEATS_UNTRAINED.of(beats)).column(Column::<String>::new(TRAININGS_DISAGREE.name, "", "").of(disagree))
+}
+
+/// The results in a test.
+fn test_table<'a>() -> Table<'a, Tested> {
+    let not_tested = |row: &Tested| row.1.iter().filter(|cell| !cell.is_tested()).count();
+    Table::new("tests", "")
+        .columns(cell_key(|row: &Tested| &row.0))
+        .column(share(SCORE, |row: &Tested| score(row.1.iter())))
+        .column(share(PASSED, |row: &Tested| passed_share(&row.1)))
+        .column(number(NOT_TESTED.into(), move |row| Some(not_tested(row) as f64)))
+}
+
+/// The number of episodes in which a requirement applied, and the rates of its violations.
+fn requirement_columns<'a>(name: &str) -> Table<'a, CellRequirement> {
+    let applied = |row: &CellRequirement| Some(f64::from(row.sums(CellRequirement::ALL).1));
+    let mut table = Table::new("requirements", "")
+        .columns(cell_key(|row: &CellRequirement| &row.key))
+        .column(number(applied_to(name), applied));
+    for (word, counted, needs_verdict) in GATED {
+        let name = format!("{word}({name})");
+        let rate = move |row: &CellRequirement, counted: Counted| {
+            (!needs_verdict || row.is_judged()).then(|| row.rate(counted))
         };
-        table = table.column(number(applied_to(name), applied));
-    }
-    for (requirement, (word, counted, needs_verdict)) in
-        requirements.iter().flat_map(|name| GATED.map(|gated| (String::from(*name), gated)))
-    {
-        let name = format!("{word}({requirement})");
-        let rate = move |row: &Row<'a>| -> Option<Rate> {
-            let mut own = row.requirements.iter().filter(|each| each.key == row.cell.key);
-            let found = own.find(|each| each.name == requirement)?;
-            (!needs_verdict || found.is_judged()).then(|| found.rate(counted))
-        };
-        let ends = rate.clone();
-        table =
-            table
-                .column(share(&name, move |row| rate(row)?.value))
-                .columns(interval(&name, "wilson", move |row| ends(row)?.interval));
+        table = table.column(share(&name, move |row| rate(row, counted)?.value)).columns(interval(
+            &name,
+            "wilson",
+            move |row| rate(row, counted)?.interval,
+        ));
     }
     table
 }
@@ -111,25 +131,23 @@ pub fn applied_to(requirement: &str) -> String {
     format!("applied({requirement})")
 }
 
-fn number<'a>(name: String, value: impl Fn(&KnownCell<'a>) -> Option<f64> + 'a) -> Entry<'a, KnownCell<'a>> {
+fn number<'a, R>(name: String, value: impl Fn(&R) -> Option<f64> + 'a) -> Entry<'a, R> {
     Entry::new::<f64, _>(name.into(), "".into(), "".into(), value)
 }
 
-fn share<'a>(name: &str, value: impl Fn(&KnownCell<'a>) -> Option<f64> + 'a) -> Entry<'a, KnownCell<'a>> {
+fn share<'a, R>(name: &str, value: impl Fn(&R) -> Option<f64> + 'a) -> Entry<'a, R> {
     number(name.to_owned(), value).of_figure(name.to_owned(), Role::Share)
 }
 
 /// Both ends of an interval of a figure.
-fn interval<'a>(
+fn interval<'a, R: 'a>(
     figure: &str,
     method: &str,
-    ends: impl Fn(&KnownCell<'a>) -> Option<(f64, f64)> + Clone + 'a,
-) -> [Entry<'a, KnownCell<'a>>; 2] {
-    let low = ends.clone();
-    [
-        number(format!("{figure}_{method}_low"), move |row| Some(low(row)?.0))
-            .of_figure(figure.to_owned(), Role::LowerBound),
-        number(format!("{figure}_{method}_high"), move |row| Some(ends(row)?.1))
-            .of_figure(figure.to_owned(), Role::UpperBound),
-    ]
+    ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 'a,
+) -> [Entry<'a, R>; 2] {
+    let end =
+        |name: &str, role, value| number(format!("{figure}_{method}_{name}"), value).of_figure(figure.to_owned(), role);
+    let low: Box<dyn Fn(&R) -> Option<f64> + 'a> = Box::new(move |row| Some(ends(row)?.0));
+    let high: Box<dyn Fn(&R) -> Option<f64> + 'a> = Box::new(move |row| Some(ends(row)?.1));
+    [end("low", Role::LowerBound, low), end("high", Role::UpperBound, high)]
 }

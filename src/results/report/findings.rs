@@ -1,13 +1,13 @@
 use super::actors::{CastFailure, cast_failures};
-use super::aggregate::cells;
 use super::caution::{Caution, cautions};
 use super::distinct::listed_findings;
 use super::{
-    Cell, DistinctFailure, Doubt, DriverResult, Gathered, ProtocolCell, PublishedComparison, SearchCell,
+    CellEvidence, DistinctFailure, Doubt, DriverResult, Gathered, ProtocolCell, PublishedComparison, SearchCell,
     SearchComparison, beside, doubts, driver_results, layer_cells, search_cells, search_comparisons,
 };
 use crate::campaign::Finished;
 use crate::jobs::SearchResult;
+use crate::tables::{Cell, Cells};
 use base::seed::Seed;
 use compile::Campaign;
 
@@ -18,7 +18,8 @@ pub struct Findings<'a> {
     pub finished: &'a Finished,
     /// What one pass over the episodes gave.
     pub gathered: Gathered,
-    pub cells: Vec<Cell>,
+    /// The cells, without those that differ from an earlier one in the reward of an untrained pedestrian alone.
+    pub cells: Cells,
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
     /// The distinct ones among the worst failures.
@@ -42,10 +43,7 @@ pub struct Findings<'a> {
 impl<'a> Findings<'a> {
     /// Works them out.
     pub fn new(campaign: &'a Campaign, finished: &'a Finished, gathered: Gathered, seed: &Seed, smoke: bool) -> Self {
-        let cells = cells(&gathered.runs);
-        let evidence = &gathered.evidence.cells;
-        let keys = evidence.iter().map(|found| &found.key);
-        assert!(cells.iter().map(|cell| &cell.key).eq(keys), "a bug: cells and their evidence are in one order");
+        let (cells, evidence) = (gathered.cells.clone(), &gathered.evidence.cells);
         let searches = search_cells(finished.all::<SearchResult>());
         let layers = layer_cells(campaign, finished.all::<SearchResult>());
         let results = finished.all::<SearchResult>();
@@ -73,5 +71,10 @@ impl<'a> Findings<'a> {
         found.distinct = listed_findings(&found, seed);
         found.cast_failures = cast_failures(&found, seed);
         found
+    }
+
+    /// The evidence on a cell; `None` without a run of it.
+    pub fn evidence(&self, cell: &Cell) -> Option<&CellEvidence> {
+        self.gathered.evidence.cells.iter().find(|found| found.key == cell.key)
     }
 }

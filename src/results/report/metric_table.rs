@@ -1,13 +1,12 @@
 use polars::prelude::DataFrame;
 
 use super::Findings;
-use super::aggregate::{Cell, CellRequirement, Counted, Measured, SearchCell, search_cell_table};
+use super::aggregate::{CellRequirement, Counted, SearchCell, search_cell_table};
 use super::cell_table::applied_to;
 use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, reference_rates};
-use crate::record::metric::{MEAN, RUNS};
-use crate::record::{
-    CellKey, Column, ColumnReference, Interval, Metric, Role, Table, TableReference, cell_key, metrics,
-};
+use crate::record::{CellKey, Column, ColumnReference, Interval, Role, Table, TableReference, cell_key};
+use crate::tables::metrics::{EPISODE_REWARD, EPISODES, MEAN, RUNS};
+use crate::tables::{self, Cell, Metric};
 use base::statistics::wilson;
 use compile::SearchKey;
 use world::judge::Reference;
@@ -46,15 +45,20 @@ impl<'a> Row<'a> {
 /// All that is known of each cell in one long table: a row for each metric, and one more where it has a second interval. Those of searches follow.
 pub fn metric_table(found: &Findings<'_>) -> DataFrame {
     let Findings { cells, gathered, searches, .. } = found;
-    let (evidence, requirements) = (&gathered.evidence.cells, &gathered.requirements);
+    let requirements = &gathered.requirements;
     let keys: Vec<CellKey> = searches.iter().map(|cell| cell_of(&cell.key)).collect();
     let mut rows = Vec::new();
-    for (cell, found) in cells.iter().zip(evidence) {
-        for (metric, measured) in &cell.metrics {
-            of_metric(metric, measured, (cell, found), &mut rows);
+    for cell in cells.iter() {
+        let evidence = found.evidence(cell);
+        tables::METRICS.iter().for_each(|metric| of_metric(metric, cell, evidence, &mut rows));
+        if let Some(found) = evidence {
+            of_evidence(cell, found, &mut rows);
         }
-        of_evidence(cell, found, &mut rows);
         requirements.iter().filter(|each| each.key == cell.key).for_each(|each| of_requirement(cell, each, &mut rows));
+    }
+    // An untrained pedestrian has a mean reward for each reward of the campaign, and all else once.
+    for cell in gathered.copies.iter() {
+        of_metric(&EPISODE_REWARD, cell, found.evidence(cell), &mut rows);
     }
     of_searches(searches, &keys, &mut rows);
     columns().frame(&rows)
@@ -95,33 +99,23 @@ fn of_searches<'a>(searches: &[SearchCell], keys: &'a [CellKey], rows: &mut Vec<
 }
 
 /// Adds the rows of a metric of episodes.
-fn of_metric<'a>(
-    metric: &Metric,
-    measured: &Measured,
-    (cell, found): (&'a Cell, &CellEvidence),
-    rows: &mut Vec<Row<'a>>,
-) {
-    let runs = u64::from(cell.runs);
-    let key = &cell.key;
-    let row = |of: u64, value: Option<f64>| Row::new(key, metric.reference(), of, value);
-    let average = match measured {
-        Measured::Count(count) => {
-            rows.push(row(u64::from(cell.episodes), Some(f64::from(*count))));
-            return;
-        }
-        Measured::Average(average) => average,
-    };
-    let across =
-        Figure::ALL.into_iter().find(|figure| figure.name() == metric.name()).map(|figure| found.between(figure));
-    let student = across.and_then(|across| across.interval).filter(|_| !cell.is_of_cases);
-    let of_runs = Row { by_run: average.by_run.clone(), ..row(runs, average.value) };
-    if let Metric::Rate(rate) = *metric {
-        let of = u64::from(cell.count(rate.whole));
-        rows.push(Row { of, ends: average.interval, interval: wilson_of(average.interval), ..of_runs.clone() });
+fn of_metric<'a>(metric: &Metric, cell: &'a Cell, evidence: Option<&CellEvidence>, rows: &mut Vec<Row<'a>>) {
+    let row = |of: u32, value: Option<f64>| Row::new(&cell.key, metric.reference(), of.into(), value);
+    if metric.is_count() {
+        return rows.push(row(cell.count(&EPISODES), Some(f64::from(cell.count(metric)))));
+    }
+    let average = cell.rate(metric);
+    let figure = Figure::ALL.into_iter().find(|figure| figure.name() == metric.name);
+    let across = figure.and_then(|figure| evidence?.between(figure).interval);
+    let student = across.filter(|_| !cell.is_of_cases());
+    let of_runs = Row { by_run: average.by_run, ..row(cell.runs(), average.value) };
+    if metric.is_share {
+        let (of, ends) = (cell.whole(metric).into(), average.interval);
+        rows.push(Row { of, ends, interval: wilson_of(ends), ..of_runs.clone() });
     }
     if student.is_some() {
         rows.push(Row { ends: student, interval: "student", ..of_runs });
-    } else if !matches!(metric, Metric::Rate(_)) {
+    } else if !metric.is_share {
         rows.push(of_runs);
     }
 }
@@ -192,12 +186,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
 fn applied_metric(requirement: &str) -> ColumnReference {
     let doc = "number of episodes in which what stands before an `implies` of that requirement held; 0: nothing is known of its violations";
     let name = applied_to(requirement);
-    ColumnReference {
-        name: name.clone().into(),
-        doc: doc.into(),
-        figure: name.into(),
-        ..Metric::Count(RUNS).reference()
-    }
+    ColumnReference { name: name.clone().into(), doc: doc.into(), figure: name.into(), ..RUNS.reference() }
 }
 
 /// The metrics of a requirement: a number and a rate of its violations.
@@ -218,13 +207,13 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
     let (p90, collisions) = found.impact_speed_p90;
     rows.push(row(IMPACT_SPEED_P90.reference(), collisions, p90));
     let disagree = found.learning.as_ref().and_then(Learning::disagree);
-    let trainings = u64::from(cell.runs);
+    let trainings = u64::from(cell.runs());
     rows.extend(
         disagree.map(|disagree| row(TRAININGS_DISAGREE.reference(), trainings, Some(f64::from(u8::from(disagree))))),
     );
     for (metric, part) in Reference::ALL.into_iter().flat_map(|reference| found.rates_of(reference)) {
         let of = found.episodes.count();
-        let ends = (!cell.is_of_cases).then(|| wilson(part, found.episodes));
+        let ends = (!cell.is_of_cases()).then(|| wilson(part, found.episodes));
         rows.push(Row { ends, interval: wilson_of(ends), ..row(metric, of, part.share_of(&found.episodes)) });
     }
 }
@@ -269,7 +258,7 @@ pub fn metric_table_reference() -> TableReference {
 
 /// The metrics that the table has, by name.
 pub fn metric_references() -> Vec<ColumnReference> {
-    let mut all: Vec<ColumnReference> = metrics().iter().map(Metric::reference).collect();
+    let mut all: Vec<ColumnReference> = tables::METRICS.into_iter().map(Metric::reference).collect();
     all.push(IMPACT_SPEED_P90.reference());
     all.push(TRAININGS_DISAGREE.reference());
     all.extend((0..2).flat_map(|rate| Reference::ALL.map(|reference| reference_rates(reference)[rate].clone())));

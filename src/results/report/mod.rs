@@ -39,7 +39,7 @@ mod write;
 pub use actors::CastFailure;
 pub(crate) use aggregate::search_table;
 pub use aggregate::{
-    Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results, gather,
+    Colour, DriverResult, Episodes, Failures, Gathered, Method, Rate, Run, SearchCell, beside, driver_results, gather,
     search_cell_table, search_cells, searches, ticks, worst_failure,
 };
 pub use catalogue::catalogue;

@@ -1,8 +1,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::aggregate::Cell;
 use crate::jobs::SearchResult;
+use crate::record::columns::{DRIVER, TOWN, WORLD};
+use crate::tables::metrics::{ALL_EPISODES, LEFT_OUT_EPISODES, LEFT_ROAD_EPISODES, PLACED_STARTS, ROAD_END_EPISODES};
+use crate::tables::{Cells, Metric};
 
 /// Above this fraction of episodes in which a driver is off the road, its figures say little.
 const MAX_FRACTION: f64 = 0.05;
@@ -77,7 +79,7 @@ impl fmt::Display for OffRoadDriver {
 }
 
 /// The drivers that are lost in more than a twentieth of their episodes in a town: of evaluations or of searches.
-pub fn off_road(cells: &[Cell], searches: &[SearchResult]) -> Vec<OffRoadDriver> {
+pub fn off_road(cells: &Cells, searches: &[SearchResult]) -> Vec<OffRoadDriver> {
     let mut sums: BTreeMap<(String, String), OffRoadDriver> = BTreeMap::new();
     let mut at = |policy: &String, place: String, add: &dyn Fn(&mut OffRoadDriver)| {
         let none = OffRoadDriver {
@@ -92,13 +94,11 @@ pub fn off_road(cells: &[Cell], searches: &[SearchResult]) -> Vec<OffRoadDriver>
         };
         add(sums.entry((policy.clone(), place)).or_insert(none));
     };
-    for cell in cells {
-        at(&cell.key.policy, cell.key.place(), &|driver| {
-            driver.episodes += u64::from(cell.all);
-            driver.placed += u64::from(cell.placed);
-            driver.left_road += u64::from(cell.left_road);
-            driver.road_end += u64::from(cell.road_end);
-            driver.left_out += u64::from(cell.left_out);
+    const COUNTS: [&Metric; 5] =
+        [&ALL_EPISODES, &PLACED_STARTS, &LEFT_ROAD_EPISODES, &ROAD_END_EPISODES, &LEFT_OUT_EPISODES];
+    for (key, [episodes, placed, left_road, road_end, left_out]) in cells.sums(&[DRIVER, TOWN, WORLD], &COUNTS) {
+        at(&key.policy, key.place(), &|driver| {
+            *driver = OffRoadDriver { episodes, placed, left_road, road_end, left_out, ..driver.clone() };
         });
     }
     for SearchResult { key, spent, .. } in searches {
@@ -114,34 +114,30 @@ pub fn off_road(cells: &[Cell], searches: &[SearchResult]) -> Vec<OffRoadDriver>
 mod tests {
     use super::*;
     use crate::record::CellKey;
+    use crate::tables::Cell;
 
     #[test]
     fn a_driver_that_is_lost_in_more_than_a_twentieth_of_its_episodes_is_named_once() {
-        let cell = |policy: &str, controller: &str, placed: u32, left_road: u32| Cell {
-            key: CellKey {
-                policy: policy.into(),
-                town: "a".into(),
-                controller: controller.into(),
-                ..CellKey::default()
-            },
-            placed,
-            left_road,
-            left_out: placed,
-            all: 100,
-            episodes: 100 - placed,
-            ..Cell::default()
+        let cell = |world: &str, policy: &str, controller: &str, [placed, left_road, road_end]: [u32; 3]| {
+            let [policy, town, controller, world] = [policy, "a", controller, world].map(String::from);
+            let key = CellKey { policy, town, controller, world, ..CellKey::default() };
+            let counts = [
+                (&ALL_EPISODES, 100),
+                (&PLACED_STARTS, placed),
+                (&LEFT_ROAD_EPISODES, left_road),
+                (&ROAD_END_EPISODES, road_end),
+                (&LEFT_OUT_EPISODES, placed.max(road_end)),
+            ];
+            Cell::example(key, &counts, &[])
         };
-        let cells = [
-            cell("lost", "random", 100, 0),
-            cell("lost", "homing", 90, 6),
-            cell("good", "random", 5, 5),
-            Cell {
-                key: CellKey { world: "there".into(), ..cell("good", "random", 0, 0).key },
-                ..cell("good", "random", 0, 7)
-            },
-            cell("stray", "random", 0, 6),
-            Cell { road_end: 9, left_out: 9, episodes: 91, ..cell("far", "random", 0, 10) },
-        ];
+        let cells = Cells::example(&[
+            cell("", "lost", "random", [100, 0, 0]),
+            cell("", "lost", "homing", [90, 6, 0]),
+            cell("", "good", "random", [5, 5, 0]),
+            cell("there", "good", "random", [0, 7, 0]),
+            cell("", "stray", "random", [0, 6, 0]),
+            cell("", "far", "random", [0, 10, 9]),
+        ]);
         let found: Vec<String> = off_road(&cells, &[]).iter().map(ToString::to_string).collect();
         assert_eq!(
             found,

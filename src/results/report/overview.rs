@@ -2,9 +2,11 @@
 
 use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 
-use super::{Cell, Doubt, DriverResult, Rate, SearchCell};
+use super::{Doubt, DriverResult, SearchCell};
 use crate::record::columns::WORLD;
 use crate::record::{Column, Table, in_block};
+use crate::tables::Cell;
+use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE, PREVENTABLE_RATE};
 use compile::HERE;
 
 /// The results of a report for an overview.
@@ -138,9 +140,6 @@ impl<'a> Overview<'a> {
     }
 }
 
-/// A rate of a cell.
-type RateOf = fn(&Cell) -> &Rate;
-
 /// The columns of an overview, without those of the parameters.
 fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     type Row<'a> = OverviewRow<'a>;
@@ -169,16 +168,12 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         searched(row).map_or(String::new(), |cell| cell.key.falsifier.clone())
     })
     .column(Column::<u64>::new("runs", "", "number of its runs").of(|row: &Row<'a>| match row.found {
-        Found::Evaluated(cell) => u64::from(cell.runs),
+        Found::Evaluated(cell) => u64::from(cell.runs()),
         Found::Searched(cell) => cell.runs as u64,
     }));
-    let rates: [(&'static str, RateOf); 3] = [
-        ("fault_rate", |cell| &cell.fault),
-        ("preventable_rate", |cell| &cell.preventable),
-        ("collision_rate", |cell| &cell.collision),
-    ];
-    for (name, of) in rates {
-        let of = move |row: &Row<'a>| cell(row).map(of);
+    for metric in [&FAULT_RATE, &PREVENTABLE_RATE, &COLLISION_RATE] {
+        let name = metric.name;
+        let of = move |row: &Row<'a>| cell(row).map(|cell| cell.rate(metric));
         let sd = number("", "", "its standard deviation over runs; missing for one");
         let low = number("", "", "lower end of its 95 % interval over starts (Wilson)");
         table = table
@@ -236,22 +231,22 @@ fn value<'a>(variant: &Variant<'a>, name: &str) -> Option<&'a str> {
 mod tests {
     use super::*;
     use crate::record::CellKey;
-    use crate::report::aggregate::Method;
+    use crate::report::{Method, Rate};
 
     #[test]
     fn each_controller_of_each_value_has_a_row_with_its_spread() {
-        let cell = |controller: &str, collision: f64, sd: Option<f64>| Cell {
-            key: CellKey {
+        let cell = |controller: &str, collision: f64, sd: Option<f64>| {
+            let key = CellKey {
                 policy: "a".into(),
                 town: "x".into(),
                 controller: controller.into(),
                 reward: "r".into(),
                 world: "there".into(),
                 ..CellKey::default()
-            },
-            collision: Rate { sd, ..Rate::single(collision) }
-                .within(Some((collision - 0.1, collision + 0.1)), Method::Wilson),
-            ..Cell::default()
+            };
+            let ends = Some((collision - 0.1, collision + 0.1));
+            let rate = Rate { sd, ..Rate::single(collision) }.within(ends, Method::Wilson);
+            Cell::example(key, &[], &[(&COLLISION_RATE, rate)])
         };
         let cells = [cell("trained", 0.2, Some(0.03)), cell("random", 0.5, None)];
         let settings = [3, 8].map(|weight| vec!["same = 1".to_string(), format!("weight = {weight}")]);

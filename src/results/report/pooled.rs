@@ -1,8 +1,10 @@
 //! Reports of one campaign at several seeds, pooled.
 
 use super::overview::{Found, Overview, OverviewRow};
-use super::{Cell, Rate, SearchCell};
+use super::{Method, Rate, SearchCell};
 use crate::record::CellKey;
+use crate::tables::Metric;
+use crate::tables::metrics::{COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 use base::statistics::mean_p;
 
 /// The setting that tells the seeds of a call apart.
@@ -20,13 +22,13 @@ pub struct Pooled<'a> {
 }
 
 /// A figure: its heading, and what it is of a controller and of a falsifier.
-type FigureOf = (&'static str, fn(&Cell) -> &Rate, fn(&SearchCell) -> Option<&Rate>);
+type FigureOf = (&'static str, &'static Metric, fn(&SearchCell) -> Option<&Rate>);
 
 /// The figures that are pooled.
 pub const FIGURES: [FigureOf; 3] = [
-    ("fault", |cell| &cell.fault, |cell| Some(&cell.fault_start_rate)),
-    ("preventable", |cell| &cell.preventable, |_| None),
-    ("collision", |cell| &cell.collision, |_| None),
+    ("fault", &FAULT_RATE, |cell| Some(&cell.fault_start_rate)),
+    ("preventable", &PREVENTABLE_RATE, |_| None),
+    ("collision", &COLLISION_RATE, |_| None),
 ];
 
 impl<'a> Pooled<'a> {
@@ -99,7 +101,7 @@ impl<'a> Pooled<'a> {
     /// The number of episodes of its controller over the seeds; `None` for a search.
     pub fn episodes(&self) -> Option<u32> {
         let episodes = |row: &&OverviewRow<'_>| match row.found {
-            Found::Evaluated(cell) => Some(cell.episodes),
+            Found::Evaluated(cell) => Some(cell.count(&EPISODES)),
             Found::Searched(_) => None,
         };
         self.runs().iter().map(episodes).sum()
@@ -108,7 +110,7 @@ impl<'a> Pooled<'a> {
     /// The rows that are runs of their own: fixed cases that end alike at every seed are one.
     pub fn runs(&self) -> &[&'a OverviewRow<'a>] {
         let figures = |row: &OverviewRow<'_>| FIGURES.each_ref().map(|figure| of_row(row, figure));
-        let is_fixed = |row: &OverviewRow<'_>| matches!(row.found, Found::Evaluated(cell) if cell.is_of_cases);
+        let is_fixed = |row: &OverviewRow<'_>| matches!(row.found, Found::Evaluated(cell) if cell.is_of_cases());
         let first = self.rows[0];
         let are_one = self.rows.iter().all(|row| is_fixed(row) && figures(row) == figures(first));
         if are_one { &self.rows[..1] } else { &self.rows }
@@ -124,7 +126,7 @@ impl<'a> Pooled<'a> {
         let difference = |[own, other]: [&OverviewRow<'_>; 2]| Some(of_row(own, figure)? - of_row(other, figure)?);
         let differences: Vec<f64> = pairs.filter_map(difference).collect();
         let interval = base::statistics::mean_interval(&differences).1;
-        Rate::of_runs(differences).within(interval, super::aggregate::Method::Student)
+        Rate::of_runs(differences).within(interval, Method::Student)
     }
 
     /// The probability of such differences if there is none in truth (Student's, two-sided); `None` for one seed and two.
@@ -134,9 +136,9 @@ impl<'a> Pooled<'a> {
 }
 
 /// The figure of a row.
-fn of_row(row: &OverviewRow<'_>, (_, of_cell, of_search): &FigureOf) -> Option<f64> {
+fn of_row(row: &OverviewRow<'_>, (_, metric, of_search): &FigureOf) -> Option<f64> {
     match row.found {
-        Found::Evaluated(cell) => of_cell(cell).value,
+        Found::Evaluated(cell) => cell.value(metric),
         Found::Searched(cell) => of_search(cell)?.value,
     }
 }

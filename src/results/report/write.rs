@@ -22,7 +22,7 @@ pub fn write(
 ) -> Result<(), WriteError> {
     let Findings { campaign, gathered, .. } = found;
     let evidence = &gathered.evidence;
-    folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
+    folder.table(RESULTS, &results(found))?;
     folder.table(METRICS, &metric_table(found))?;
     let cells = evidence.comparisons.iter().map(ComparedRow::from);
     let compared: Vec<ComparedRow> = cells.chain(found.search_comparisons.iter().map(ComparedRow::from)).collect();

@@ -14,7 +14,8 @@ use crate::commands::episode::RepeatArgs;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{CampaignReport, RunReport};
 use results::failure::Failure;
-use results::report::{self, Cell, Gate, GateError, Judged, SearchCell, StoredReport, Suite};
+use results::report::{self, Gate, GateError, Judged, SearchCell, StoredReport, Suite};
+use results::tables::Cell;
 
 /// Options that make a run pass or fail.
 #[derive(Debug, Args)]

@@ -1,10 +1,12 @@
 use std::cmp::Ordering;
 
 use super::search_figures::Figures;
-use super::{Cell, Failures, ProtocolCell};
+use super::{Failures, ProtocolCell};
 use crate::failure::Failure;
 use crate::jobs::SearchResult;
 use crate::record::CellKey;
+use crate::tables::Cell;
+use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 use base::statistics::mean;
 use compile::Driver;
 
@@ -68,7 +70,7 @@ pub fn driver_results(
             driver: driver.clone(),
             worst: worst_of(failures.of(&driver.name), tests).cloned(),
             cell: worst_cell(cells, &driver.name),
-            episodes: own.map(|cell| u64::from(cell.episodes)).sum::<u64>()
+            episodes: own.map(|cell| u64::from(cell.count(&EPISODES))).sum::<u64>()
                 + searched.map_or(0, |found| found.episodes),
             searched,
         }
@@ -126,7 +128,8 @@ fn worst_cell(cells: &[Cell], driver: &str) -> Option<usize> {
 /// The cell with more avoidable injury first; then by the fault rate, the preventable rate, the rate of collisions.
 fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
     let rates = |cell: &Cell| {
-        [&cell.injury, &cell.fault, &cell.preventable, &cell.collision].map(|rate| rate.value.unwrap_or(-1.0))
+        [&AVOIDABLE_INJURY, &FAULT_RATE, &PREVENTABLE_RATE, &COLLISION_RATE]
+            .map(|metric| cell.value(metric).unwrap_or(-1.0))
     };
     let pairs = rates(b).into_iter().zip(rates(a));
     pairs.map(|(b, a)| b.total_cmp(&a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
@@ -170,7 +173,7 @@ mod tests {
 
     fn cell(policy: &str, fault: f64, moving: f64) -> Cell {
         let key = CellKey { policy: policy.into(), ..CellKey::default() };
-        Cell { key, fault: Rate::single(fault), collision: Rate::single(moving), ..Cell::default() }
+        Cell::example(key, &[], &[(&FAULT_RATE, Rate::single(fault)), (&COLLISION_RATE, Rate::single(moving))])
     }
 
     #[test]

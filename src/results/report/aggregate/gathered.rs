@@ -6,7 +6,6 @@ use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{
     CellRequirement, REQUIREMENTS, RequirementRow, Violations, add_run, requirement_rows, requirement_table,
 };
-use super::run_totals::{RunRow, RunTotals};
 use super::{Episodes, Failures, Run};
 use crate::failure::Failure;
 use crate::jobs::SearchResult;
@@ -14,12 +13,15 @@ use crate::record::{self, CellKey, EPISODES, EpisodeTable};
 use crate::report::failure_table::{FAILURES, failure_table};
 use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
+use crate::tables::{Cells, Runs};
 use compile::{ControllerKind, Evaluation};
 
 /// The results of one pass over all episodes: small tables, counts, and a bounded sample.
 #[derive(Debug, Clone, Default)]
 pub struct Gathered {
-    pub runs: Vec<RunRow>,
+    pub cells: Cells,
+    /// What differs from these in the reward of an untrained pedestrian alone.
+    pub copies: Cells,
     /// Episodes, those in error included.
     pub episodes: u64,
     /// Their simulator ticks.
@@ -65,7 +67,8 @@ pub fn gather(
 ) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
     let mut gathered = Gathered { all_tried: true, ..Gathered::default() };
-    let mut evidence = Gathering::default();
+    let (mut evidence, mut runs) = (Gathering::default(), Runs::default());
+    let mut walked: BTreeSet<(CellKey, u32)> = BTreeSet::new();
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     let none = record::episodes(&[]);
     let columns: Vec<_> = record::episode_references().columns.into_iter().map(|column| column.name).collect();
@@ -86,7 +89,9 @@ pub fn gather(
         let mut protocol = ProtocolRun::new(evaluation);
         let mut repeats = Repeats::of(run.parts()).map_err(failed)?;
         let is_of_cases = protocol.is_some() || repeats.is_grid();
-        let (mut totals, mut tried) = (RunTotals::new(record::metrics()).of_cases(is_of_cases), 0);
+        let mut tried = 0;
+        let is_copy = !walked.insert(run.key.of_any_reward());
+        runs.begin(&run.key, is_of_cases, is_copy);
         for part in run.parts() {
             let mut part = part.map_err(failed)?;
             tried += part.height();
@@ -108,7 +113,9 @@ pub fn gather(
             let touches = touches.map(|row| Failure::of_row(&all, row, run.key.clone()));
             let violated = degrees.iter().filter(|row| row.counts && row.degree.is_violated());
             let here: Vec<Failure> = touches.chain(violated.map(RequirementRow::failure)).collect();
-            failures.add(&failed_table.frame(&here))?;
+            if !is_copy {
+                failures.add(&failed_table.frame(&here))?;
+            }
             if is_of_cases {
                 part = part.filter(&new.into_iter().collect()).map_err(failed)?;
             }
@@ -117,8 +124,14 @@ pub fn gather(
                 let kept: BTreeSet<u32> = episodes.rows().map(|row| episodes.episode(row)).collect();
                 degrees.retain(|row| kept.contains(&row.episode));
             }
+            runs.add(&part).map_err(failed)?;
+            if part.height() > 0 {
+                evidence.add(&run.key, &episodes);
+            }
+            if is_copy {
+                continue;
+            }
             gathered.tally.add(&run.key.cell, &episodes);
-            totals.add(&part).map_err(failed)?;
             if matches!(evaluation.controller, ControllerKind::Trained) {
                 gathered.note_starts(evaluation, &episodes);
             }
@@ -127,16 +140,12 @@ pub fn gather(
                 violations[index % named.len()].add(row);
             }
             gathered.failures.add_violations(&run.key.cell, &degrees);
-            if part.height() > 0 {
-                evidence.add(&run.key, &episodes);
-            }
         }
         gathered.all_tried &= tried == evaluation.episodes as usize;
-        if tried > 0 {
+        if tried > 0 && !is_copy {
             add_run(&mut gathered.requirements, &run.key.cell, named, &violations, is_of_cases);
         }
-        gathered.runs.extend(totals.row());
-        if tried > 0 {
+        if tried > 0 && !is_copy {
             let tested = protocol.map(|protocol| (run.key.cell.clone(), protocol.cells()));
             gathered.tests.extend(tested.clone());
             for cell in tested.into_iter().flat_map(|(_, cells)| cells) {
@@ -159,6 +168,7 @@ pub fn gather(
         file.finish()?;
     }
     gathered.failures.add_searches(searches);
+    [gathered.cells, gathered.copies] = runs.cells().map_err(failed)?;
     gathered.evidence = evidence.finish();
     Ok(gathered)
 }

@@ -1,6 +1,7 @@
-use super::{Cell, Rate};
+use super::Rate;
 use crate::record::CellKey;
 use crate::report::{CellEvidence, Figure};
+use crate::tables::Cell;
 use base::statistics::{MIN_RUNS, Uncertainty};
 use compile::{Published, PublishedCell, PublishedFigure};
 
@@ -74,19 +75,19 @@ fn compare<'a>(
     evidence: Option<&CellEvidence>,
 ) -> PublishedComparison<'a> {
     let figure = figure(published.column).expect("checked: every published figure is one of a cell");
-    let ours = cell.average(figure.name()).cloned().unwrap_or_default();
+    let ours = cell.rate(figure.metric());
     let difference = ours.value.map(|mean| mean - published.mean);
     let here = evidence.and_then(|found| found.uncertainty(figure));
     let there = published.sd.and_then(|sd| Uncertainty::of_mean(sd.max(ROUNDED_AWAY), table.runs));
     let few = |runs: u32| (runs as usize) < MIN_RUNS;
-    let uncertainty = here.zip(there).filter(|_| !few(cell.runs) && !few(table.runs));
+    let uncertainty = here.zip(there).filter(|_| !few(cell.runs()) && !few(table.runs));
     let interval = uncertainty.zip(difference).map(|((here, there), by)| here.of_difference(there).interval(by));
     let (source, docs) = (&table.source, &table.docs);
     PublishedComparison {
         source,
         docs,
         key: cell.key.clone(),
-        runs: cell.runs,
+        runs: cell.runs(),
         published,
         published_runs: table.runs,
         ours,

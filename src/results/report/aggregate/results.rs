@@ -1,10 +1,12 @@
 use polars::prelude::DataFrame;
 
-use super::{Cell, Failures, Rate};
 use crate::failure::Failure;
 use crate::record::columns::{DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, WORLD};
 use crate::record::{Column, Entry, Interval, Table};
-use crate::report::infer::{BEATS_UNTRAINED, CellEvidence};
+use crate::report::Findings;
+use crate::report::infer::BEATS_UNTRAINED;
+use crate::tables::Cell;
+use crate::tables::metrics::{COLLISION_RATE, EPISODES, FAULT_RATE};
 
 /// The stem of the files of the table of results.
 pub const RESULTS: &str = "results";
@@ -13,10 +15,10 @@ pub const RESULTS: &str = "results";
 type Row<'a> = (&'a Cell, Option<&'static str>, Option<&'a Failure>);
 
 /// The table to open first: one row for each cell.
-pub fn results(cells: &[Cell], evidence: &[CellEvidence], failures: &Failures) -> DataFrame {
-    let beats = |found: &CellEvidence| found.learning.as_ref().map(|learning| learning.beats_untrained().name());
-    let rows: Vec<Row<'_>> =
-        cells.iter().zip(evidence).map(|(cell, found)| (cell, beats(found), failures.worst_of(&cell.key))).collect();
+pub fn results(found: &Findings<'_>) -> DataFrame {
+    let beats = |cell| Some(found.evidence(cell)?.learning.as_ref()?.beats_untrained().name());
+    let worst = |cell: &Cell| found.gathered.failures.worst_of(&cell.key);
+    let rows: Vec<Row<'_>> = found.cells.iter().map(|cell| (cell, beats(cell), worst(cell))).collect();
     results_table().frame(&rows)
 }
 
@@ -34,25 +36,19 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     .column(TOWN.of(|row: &Row<'_>| row.0.key.town.clone()))
     .column(DRIVER.of(|row: &Row<'_>| row.0.key.policy.clone()))
     .column(WORLD.of(|row: &Row<'_>| row.0.key.world.clone()))
-    .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs))
-    .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes))
+    .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs()))
+    .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.count(&EPISODES)))
     .column(BEATS_UNTRAINED.of(|row: &Row<'_>| row.1));
     let collision = "collisions of all episodes, with Wilson's 95 % interval over starts; bumps do not count";
-    table = rate(table, "collision_rate", collision, |cell| &cell.collision);
-    let fault = "faults of the driver, of all episodes, as above";
-    table = rate(table, "fault_rate", fault, |cell| &cell.fault);
+    for (metric, doc) in
+        [(&COLLISION_RATE, collision), (&FAULT_RATE, "faults of the driver, of all episodes, as above")]
+    {
+        let mean: Entry<'a, Row<'a>> = Column::<f64>::new(metric.name, "", doc).of(|row: &Row<'a>| row.0.value(metric));
+        let ends = Interval::new(metric.name, "", doc).of(|row: &Row<'a>| row.0.rate(metric).interval);
+        table = table.column(mean).columns(ends);
+    }
     table.column(
         Column::<String>::new("worst", "", "name of the failure that counts most against the driver, `RUN:EPISODE`")
             .of(|row: &Row<'_>| row.2.map(Failure::name)),
     )
-}
-
-fn rate<'a>(
-    table: Table<'a, Row<'a>>,
-    name: &'static str,
-    doc: &'static str,
-    of: fn(&Cell) -> &Rate,
-) -> Table<'a, Row<'a>> {
-    let mean: Entry<'a, Row<'a>> = Column::<f64>::new(name, "", doc).of(move |row: &Row<'a>| of(row.0).value);
-    table.column(mean).columns(Interval::new(name, "", doc).of(move |row: &Row<'a>| of(row.0).interval))
 }

@@ -3,8 +3,10 @@ use std::collections::BTreeSet;
 use super::{NOT_DONE, section};
 use crate::jobs::SearchResult;
 use crate::record::CellKey;
+use crate::report::Findings;
 use crate::report::render::{Column, Section, Table, Value};
-use crate::report::{Cell, Findings};
+use crate::tables::Cell;
+use crate::tables::metrics::{COLLISION_RATE, COLLISIONS, EPISODES, FAULT_COLLISIONS};
 use compile::{HERE, NamedTown};
 use world::av::DrivingMode;
 use world::judge::Blame;
@@ -70,7 +72,8 @@ fn head<const W: usize, const N: usize>(words: [&str; W], numbers: [&str; N]) ->
 /// Episodes that counted and faults of the cells of a kind.
 fn sums<'a>(cells: impl Iterator<Item = &'a Cell>) -> [u64; 3] {
     cells.fold([0; 3], |[episodes, collisions, faults], cell| {
-        [episodes + u64::from(cell.episodes), collisions + u64::from(cell.collisions), faults + u64::from(cell.faults)]
+        let count = |metric| u64::from(cell.count(metric));
+        [episodes + count(&EPISODES), collisions + count(&COLLISIONS), faults + count(&FAULT_COLLISIONS)]
     })
 }
 
@@ -157,7 +160,7 @@ fn holes(found: &Findings<'_>) -> Vec<String> {
     let cells = found
         .cells
         .iter()
-        .map(|cell| (cell.key.controller.as_str(), &cell.key.policy, &cell.key.town, u64::from(cell.episodes)));
+        .map(|cell| (cell.key.controller.as_str(), &cell.key.policy, &cell.key.town, u64::from(cell.count(&EPISODES))));
     let searches = found.finished.all::<SearchResult>().iter();
     let searches = searches
         .map(|search| (search.key.falsifier.as_str(), &search.key.policy, &search.key.town, search.spent.episodes));
@@ -183,7 +186,7 @@ pub fn worlds(found: &Findings<'_>) -> Section {
     let row = |cell: &Cell| {
         let home = CellKey { world: HERE.into(), ..cell.key.clone() };
         let home = found.cells.iter().find(|other| other.key == home);
-        let rate = |cell: &Cell| Value::rate(&cell.collision, cell.collisions, cell.episodes);
+        let rate = |cell: &Cell| Value::share(cell, &COLLISION_RATE);
         vec![
             Value::from(&cell.key.policy),
             Value::from(&cell.key.town),

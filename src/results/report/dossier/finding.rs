@@ -3,6 +3,7 @@ use crate::failure::Failure;
 use crate::report::distinct::{MAX_OF_PROGRAMS, distinct_failures};
 use crate::report::render::{Column, Section, Table, Value, place, share_of_two, who};
 use crate::report::{DistinctFailure, DriverResult, Findings};
+use crate::tables::metrics::{EPISODES, FAULT_RATE};
 use base::seed::Seed;
 use world::cause::{Cause, MAX_RUNS_OF_PROGRAM};
 
@@ -34,7 +35,7 @@ pub fn bottom_lines(found: &Findings<'_>, shown: &[DistinctFailure]) -> Vec<Stri
         let rate = match (result.cell.map(|cell| &found.cells[cell]), result.searched) {
             (Some(cell), _) => format!(
                 "fault rate {} with {} in {}, where it is highest",
-                Value::rate(&cell.fault, cell.faults, cell.episodes),
+                Value::share(cell, &FAULT_RATE),
                 who(cell, &found.cells),
                 place(cell, &found.cells)
             ),
@@ -108,7 +109,7 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
         lead.push(share_of_two(&found.cast_failures));
     }
     if shown.is_empty() {
-        let episodes: u64 = found.cells.iter().map(|cell| u64::from(cell.episodes)).sum();
+        let episodes: u64 = found.cells.iter().map(|cell| u64::from(cell.count(&EPISODES))).sum();
         lead = vec![format!(
             "No failure counts against a driver. {episodes} episodes were evaluated, beside what searches tried."
         )];

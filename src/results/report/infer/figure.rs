@@ -1,4 +1,7 @@
-use crate::record::metric;
+use crate::tables::Metric;
+use crate::tables::metrics::{
+    COLLISION_RATE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_RATE, FRONT_RATE, IMPACT_SPEED, PREVENTABLE_RATE, TOUCH_RATE,
+};
 
 /// A figure of a pedestrian that is averaged over trainings and compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,18 +39,23 @@ impl Figure {
     /// The figures in which pedestrians are compared: rates of all episodes.
     pub const COMPARED: [Self; 3] = [Self::Collision, Self::Preventable, Self::Fault];
 
+    /// The metric of it.
+    pub fn metric(self) -> &'static Metric {
+        match self {
+            Self::Touch => &TOUCH_RATE,
+            Self::Front => &FRONT_RATE,
+            Self::Collision => &COLLISION_RATE,
+            Self::Preventable => &PREVENTABLE_RATE,
+            Self::Fault => &FAULT_RATE,
+            Self::Reward => &EPISODE_REWARD,
+            Self::Length => &EPISODE_LENGTH,
+            Self::ImpactSpeed => &IMPACT_SPEED,
+        }
+    }
+
     /// The prefix of its columns.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Touch => metric::TOUCH_RATE.name,
-            Self::Front => metric::FRONT_RATE.name,
-            Self::Collision => metric::COLLISION_RATE.name,
-            Self::Preventable => metric::PREVENTABLE_RATE.name,
-            Self::Fault => metric::FAULT_RATE.name,
-            Self::Reward => metric::EPISODE_REWARD.name,
-            Self::Length => metric::EPISODE_LENGTH.name,
-            Self::ImpactSpeed => metric::IMPACT_SPEED.name,
-        }
+        self.metric().name
     }
 
     /// Between what it lies.

@@ -1,9 +1,10 @@
 use super::GateError;
-use crate::record::metric::MEAN;
-use crate::record::{ColumnReference, Role, metrics};
+use crate::record::{ColumnReference, Role};
 use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT};
 use crate::report::infer::{BEATS_UNTRAINED, BeatsUntrained};
 use crate::report::metric_table::TRAININGS_DISAGREE;
+use crate::tables::METRICS;
+use crate::tables::metrics::MEAN;
 
 /// A part of a gate: a column, a sign, and a number or a word.
 #[derive(Debug, Clone, PartialEq)]
@@ -213,8 +214,8 @@ fn value_of_figure<'a>(column: &ColumnReference, columns: &'a [ColumnReference])
 
 /// Whether a figure of cells or searches has no value where there was no collision.
 fn is_of_collisions(figure: &str) -> bool {
-    let mut of_metrics = metrics().into_iter().filter(|metric| metric.is_of_collisions());
-    [FIRST_FAILURE, FIRST_FAULT].contains(&figure) || of_metrics.any(|metric| metric.name() == figure)
+    let mut of_metrics = METRICS.into_iter().filter(|metric| metric.is_of_collisions());
+    [FIRST_FAILURE, FIRST_FAULT].contains(&figure) || of_metrics.any(|metric| metric.name == figure)
 }
 
 fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {

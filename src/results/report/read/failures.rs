@@ -83,12 +83,18 @@ impl StoredReport {
     /// As [`StoredReport::failures`].
     pub fn near_misses(&self, gap: f64) -> Result<Vec<Failure>, ReadError> {
         let (keys, mut found) = (self.keys()?, Vec::new());
+        let mut walked = BTreeSet::new();
+        let runs = self.run_rows()?;
+        let first: BTreeSet<RunId> =
+            runs.iter().filter(|run| walked.insert(run.key.of_any_reward())).map(|run| run.key.id).collect();
         self.each_part(EPISODES, ROWS, |rows| {
             let (table, gaps) = (EpisodeTable::new(rows)?, MIN_GAP.read(rows)?);
             let is_near = |row: usize| gaps.get(row).is_some_and(|smallest| smallest < gap);
             for row in table.rows().filter(|row| table.counts(*row) && !table.is_touch(*row) && is_near(*row)) {
                 let (key, found_by) = Row(rows, row).key(&keys)?;
-                found.push(Failure::new(key, found_by, table.episode(row).into()));
+                if first.contains(&key.id) {
+                    found.push(Failure::new(key, found_by, table.episode(row).into()));
+                }
             }
             Ok(())
         })?;

@@ -4,12 +4,12 @@ use polars::prelude::{AnyValue, DataFrame};
 
 use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
-use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::aggregate::{STARTS, search_cell_table, search_key};
-use crate::report::cell_table::{KnownCell, NOT_TESTED, PASSED, SCORE, applied_to, cell_table};
+use crate::report::cell_table::{NOT_TESTED, PASSED, SCORE, applied_to, gate_columns, gate_table};
 use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, DIFFERING, TRIED_STARTS};
-use crate::report::{Findings, Gathered, NOT_MET};
+use crate::report::{Findings, NOT_MET};
+use crate::tables::metrics::{EPISODES, MEAN};
 use base::statistics::{MIN_RUNS, disagreement, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
@@ -203,7 +203,7 @@ impl Gate {
     /// # Errors
     /// It has another form, or names no column.
     pub fn parse(text: &str) -> Result<Self, GateError> {
-        match Self::of_columns(text, &cell_table(&requirements_in(text)).reference().columns) {
+        match Self::of_columns(text, &gate_columns(&requirements_in(text))) {
             Err(error @ GateError::Column { .. }) => {
                 match Self::of_columns(text, &search_cell_table().reference().columns) {
                     Ok(gate) => Ok(Self { about_searches: true, ..gate }),
@@ -324,11 +324,8 @@ impl Gate {
         if self.about_searches {
             return self.judge(&search_cell_table().frame(&found.searches));
         }
-        let Gathered { evidence, requirements, tests, .. } = &found.gathered;
-        let evidence = &evidence.cells;
-        let known = |(cell, evidence)| KnownCell { cell, evidence, requirements, tests };
-        let cells: Vec<KnownCell<'_>> = found.cells.iter().zip(evidence).map(known).collect();
-        self.judge(&cell_table(&requirements_in(&self.text)).frame(&cells))
+        let cells = gate_table(found, &requirements_in(&self.text));
+        self.judge(&cells.expect("a bug: the tables of cells have one key"))
     }
 
     /// Judges every row of the table that it is about, in its order.
@@ -628,6 +625,7 @@ mod tests {
     fn a_requirement_may_be_named_twice() {
         let names = requirements_in("violation_rate(b) > 0.05 and fault_rate(b) > 0.01 and violation_rate(a) > 0");
         assert_eq!(names, ["a", "b"]);
-        assert_eq!(cell_table(&names).frame(&[]).height(), 0);
+        let columns = gate_columns(&names);
+        assert_eq!(columns.iter().filter(|column| column.name == "violation_rate(b)").count(), 1);
     }
 }

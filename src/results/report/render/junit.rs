@@ -1,7 +1,9 @@
 use std::fmt::Write;
 
-use super::super::{Cell, Gate, Judged, Manifest, SearchCell, TrainingRecord};
+use super::super::{Gate, Judged, Manifest, SearchCell, TrainingRecord};
 use super::sections::{place, who};
+use crate::tables::metrics::{EPISODES, ERRORS, MEAN, RUNS};
+use crate::tables::{Cell, Cells, METRICS};
 
 /// The results of a campaign for a server of continuous integration.
 #[derive(Debug, Clone)]
@@ -9,7 +11,7 @@ pub struct Suite {
     /// The manifest of the run.
     pub manifest: Manifest,
     /// Its cells, in the order of their table.
-    pub cells: Vec<Cell>,
+    pub cells: Cells,
     /// The cells of its searches, in the order of their table.
     pub searches: Vec<SearchCell>,
     /// The gates, each with its result for each row of the table that it is about.
@@ -56,7 +58,7 @@ fn one(page: &mut String, suite: &Suite, cases: &[(String, Vec<Finding>)]) {
     for (gate, _) in &suite.gates {
         property(page, "fail-if", gate.text());
     }
-    for cell in &suite.cells {
+    for cell in suite.cells.iter() {
         for (name, value) in figures(cell) {
             property(page, &format!("{} / {name}", cell.key.in_full()), &value);
         }
@@ -98,12 +100,12 @@ type Finding = (&'static str, &'static str, String);
 /// The element of a cell: an error, else the broken gates, else the gates without a value.
 fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
     let cell = &suite.cells[row];
-    if cell.errors > 0 {
-        let all = cell.errors + cell.episodes;
+    if cell.count(&ERRORS) > 0 {
+        let all = cell.count(&ERRORS) + cell.count(&EPISODES);
         return vec![(
             "error",
             "driver",
-            format!("the driver or the pedestrian failed in {} of {all} episodes", cell.errors),
+            format!("the driver or the pedestrian failed in {} of {all} episodes", cell.count(&ERRORS)),
         )];
     }
     of_gates(suite, false, row)
@@ -145,22 +147,13 @@ fn property(page: &mut String, name: &str, value: &str) {
     let _ = writeln!(page, "      <property name=\"{}\" value=\"{}\"/>", escaped(name), escaped(value));
 }
 
-fn figures(cell: &Cell) -> Vec<(&'static str, String)> {
-    let mut all = vec![
-        ("runs", cell.runs.to_string()),
-        ("episodes", cell.episodes.to_string()),
-        ("errors", cell.errors.to_string()),
-        ("collisions", cell.collisions.to_string()),
-    ];
-    let rates = [
-        ("collision_rate_mean", cell.collision.value),
-        ("touch_rate_mean", cell.touch.value),
-        ("preventable_rate_mean", cell.preventable.value),
-        ("preventable_share_mean", cell.preventable_share.value),
-        ("fault_rate_mean", cell.fault.value),
-    ];
-    all.extend(rates.into_iter().filter_map(|(name, rate)| Some((name, format!("{:.6}", rate?)))));
-    all
+/// The counts, means and shares of a cell.
+fn figures(cell: &Cell) -> Vec<(String, String)> {
+    let counts = METRICS.into_iter().filter(|metric| metric.is_count());
+    let counts = counts.map(|metric| (metric.name.to_string(), cell.count(metric).to_string()));
+    let means = METRICS.into_iter().filter(|metric| !metric.is_count());
+    let means = means.filter_map(|metric| Some((MEAN.name(metric.name), format!("{:.6}", cell.value(metric)?))));
+    [(RUNS.name.to_string(), cell.runs().to_string())].into_iter().chain(counts).chain(means).collect()
 }
 
 /// Text for an attribute; characters that XML does not allow become question marks.

@@ -8,6 +8,7 @@ use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
 use crate::report::pooled::{FIGURES, Pooled, SEED};
 use crate::report::{DriverResult, Rate, Variant};
+use crate::tables::metrics::{COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 
 /// How to read the tables.
 const READING: &str = "A row is a pedestrian, or a search, in a town against a driver. Rates are shares of all episodes: the mean over runs \
@@ -187,10 +188,12 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
             values.extend(place(row));
             values.extend([
                 row.who().into(),
-                Value::Count(cell.runs.into()),
-                Value::Count((cell.episodes / cell.runs.max(1)).into()),
+                Value::Count(cell.runs().into()),
+                Value::Count((cell.count(&EPISODES) / cell.runs().max(1)).into()),
             ]);
-            values.extend([&cell.fault, &cell.preventable, &cell.collision].map(Value::from));
+            values.extend(
+                [&FAULT_RATE, &PREVENTABLE_RATE, &COLLISION_RATE].map(|metric| Value::from(&cell.rate(metric))),
+            );
             values
         };
         let rows = evaluated.iter().map(row).collect();

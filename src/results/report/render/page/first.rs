@@ -10,7 +10,9 @@ use crate::failure::Failure;
 use crate::report::render::sections::{FAULT, Scale, injury, place, who};
 use crate::report::render::svg::px;
 use crate::report::render::table::Section;
-use crate::report::{Cell, DriverResult, Findings, worst_failure};
+use crate::report::{DriverResult, Findings, worst_failure};
+use crate::tables::Cell;
+use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS, FAULT_RATE};
 
 /// Below this a share of episodes is given as their number.
 const RARE: f64 = 0.005;
@@ -39,13 +41,12 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
     let cell = |result: &DriverResult| result.cell.map(|cell| &cells[cell]);
     let most = |of: &dyn Fn(&DriverResult) -> Option<f64>| drivers.iter().filter_map(of).fold(0.0, f64::max);
     let often = |result: &DriverResult| match cell(result) {
-        Some(cell) => cell.fault.value,
+        Some(cell) => cell.value(&FAULT_RATE),
         None => result.searched.and_then(|found| found.fault_start_rate),
     };
     let bad = |result: &DriverResult| injury(result, cells);
     let scale = Scale::new(drivers, cells, &all.searches);
-    let faults_of =
-        |result: &DriverResult| scale.of_driver(result, |cell| &cell.fault, |searched| searched.fault_start_rate);
+    let faults_of = |result: &DriverResult| scale.of_driver(result, &FAULT_RATE, |searched| searched.fault_start_rate);
     // The worst driver of a place is no share of itself.
     let share = |share: Option<f64>| {
         let share = share.filter(|share| *share > 0.0 && (scale.blind().is_some() || *share < 1.0))?;
@@ -99,7 +100,7 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
 /// The episodes of a driver, of evaluations and searches.
 fn tried(result: &DriverResult, cells: &[Cell]) -> u64 {
     let evaluated =
-        cells.iter().filter(|cell| cell.key.policy == result.driver.name).map(|cell| u64::from(cell.episodes));
+        cells.iter().filter(|cell| cell.key.policy == result.driver.name).map(|cell| u64::from(cell.count(&EPISODES)));
     evaluated.sum::<u64>() + result.searched.map_or(0, |found| found.episodes)
 }
 
@@ -134,16 +135,16 @@ fn faults(result: &DriverResult, cell: Option<&Cell>, rate: f64) -> Markup {
             @else { "a fault from " (percent(rate)) " of the starts of searches" }
         };
     };
-    let episodes: u64 = cell.episodes.into();
+    let episodes: u64 = cell.count(&EPISODES).into();
     html! {
-        @if cell.faults == 0 && searched.fault > 0 {
+        @if cell.count(&FAULT_COLLISIONS) == 0 && searched.fault > 0 {
             "no fault in " (count(episodes)) " episodes of evaluations; searches found " (count(searched.fault as u64))
         }
-        @else if cell.faults == 0 { "no fault in " (count(episodes)) " episodes" }
-        @else if rate < RARE { "a fault in " (count(cell.faults.into())) " of " (count(episodes)) " episodes" }
+        @else if cell.count(&FAULT_COLLISIONS) == 0 { "no fault in " (count(episodes)) " episodes" }
+        @else if rate < RARE { "a fault in " (count(cell.count(&FAULT_COLLISIONS).into())) " of " (count(episodes)) " episodes" }
         @else {
             "a fault in " (percent(rate)) " of " (count(episodes)) " episodes "
-            @if let Some((low, high)) = cell.fault.interval { small { (percent(low)) " to " (percent(high)) } }
+            @if let Some((low, high)) = cell.rate(&FAULT_RATE).interval { small { (percent(low)) " to " (percent(high)) } }
         }
     }
 }

@@ -1,5 +1,5 @@
-use super::super::sections::{distinct, place, who};
-use crate::report::Cell;
+use super::super::sections::{place, who};
+use crate::tables::Cell;
 
 /// A cell with its name on the page.
 #[derive(Debug, Clone)]
@@ -13,11 +13,11 @@ pub struct Named<'a> {
     pub colour: usize,
 }
 
-/// Names the cells of a page and gives controllers their colours. Rows that would be the same twice are there once.
+/// Names the cells of a page and gives controllers their colours.
 pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
     let mut all: Vec<Named<'_>> = Vec::new();
     let mut learners: Vec<String> = Vec::new();
-    for cell in distinct(cells) {
+    for cell in cells {
         let who = who(cell, cells);
         let place = format!("{} · {}", place(cell, cells), cell.key.policy);
         let colour = match cell.key.controller.as_str() {

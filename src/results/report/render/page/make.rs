@@ -11,6 +11,7 @@ use crate::jobs::TrainingResult;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::table::{Depth, Section};
 use crate::report::{DriverResult, Findings, Manifest, worst_failure};
+use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
 use compile::Campaign;
 
 /// A section of the page with its place in the list of found. It can be folded; a script unfolds it where the window is wide.
@@ -139,11 +140,17 @@ fn conclusion(found: &Findings<'_>) -> String {
     let (lost, tested): (Vec<_>, Vec<_>) = tested.partition(|result| result.episodes == 0);
     let (faulty, clean): (Vec<_>, Vec<_>) = tested.into_iter().partition(|result| {
         let cell = result.cell.map(|cell| &found.cells[cell]);
-        cell.is_some_and(|cell| cell.faults > 0) || result.searched.is_some_and(|searched| searched.fault > 0)
+        cell.is_some_and(|cell| cell.count(&FAULT_COLLISIONS) > 0)
+            || result.searched.is_some_and(|searched| searched.fault > 0)
     });
-    let often = |result: &&DriverResult| match result.cell.map(|cell| &found.cells[cell]).filter(|cell| cell.faults > 0)
+    let often = |result: &&DriverResult| match result
+        .cell
+        .map(|cell| &found.cells[cell])
+        .filter(|cell| cell.count(&FAULT_COLLISIONS) > 0)
     {
-        Some(cell) => format!("{} in {} of {} episodes", result.driver.name, cell.faults, cell.episodes),
+        Some(cell) => {
+            format!("{} in {} of {} episodes", result.driver.name, cell.count(&FAULT_COLLISIONS), cell.count(&EPISODES))
+        }
         None => format!("{} in searches", result.driver.name),
     };
     let list = |all: &[&DriverResult], text: &dyn Fn(&&DriverResult) -> String| {
@@ -172,7 +179,7 @@ fn grid(campaign: &Campaign) -> String {
 /// How much was run, in a line.
 fn amount(found: &Findings<'_>, manifest: &Manifest) -> Vec<String> {
     let mut parts = Vec::new();
-    let episodes: u64 = found.cells.iter().map(|cell| u64::from(cell.episodes)).sum();
+    let episodes: u64 = found.cells.iter().map(|cell| u64::from(cell.count(&EPISODES))).sum();
     if episodes > 0 {
         parts.push(format!("{} episodes evaluated", count(episodes)));
     }

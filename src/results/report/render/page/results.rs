@@ -2,11 +2,15 @@ use maud::{Markup, html};
 
 use super::identity::{Named, named, places};
 use super::markup::{count, percent};
-use crate::record::metric;
-use crate::report::render::sections::{RateOf, Scale};
+use crate::report::render::sections::Scale;
 use crate::report::render::svg::{Digits, px};
 use crate::report::render::table::Value;
-use crate::report::{Cell, Findings, PublishedComparison, Rate};
+use crate::report::{Findings, PublishedComparison, Rate};
+use crate::tables::Metric;
+use crate::tables::metrics::{
+    ALL_EPISODES, COLLISION_RATE, EPISODE_LENGTH, EPISODES, ERRORS, FAULT_RATE, IMPACT_SPEED, LEFT_OUT_EPISODES,
+    PREVENTABLE_RATE,
+};
 
 /// Width and height of the picture of a rate.
 const SIZE: (f64, f64) = (96.0, 26.0);
@@ -15,39 +19,15 @@ const END: f64 = 8.0;
 /// The ends that an axis may have.
 const ENDS: [f64; 9] = [0.004, 0.01, 0.02, 0.04, 0.1, 0.2, 0.4, 0.6, 1.0];
 
-/// A rate in a row of results.
-#[derive(Clone, Copy)]
-struct Shown {
-    name: &'static str,
-    /// The column of published figures.
-    column: &'static str,
-    of: RateOf,
-    /// The number of episodes that it counts.
-    count: fn(&Cell) -> u32,
-}
-
-/// The rates of a cell, each a fraction of its episodes.
-const RATES: [Shown; 3] = [
-    Shown {
-        name: "collision",
-        column: metric::COLLISION_RATE.name,
-        of: |cell| &cell.collision,
-        count: |cell| cell.collisions,
-    },
-    Shown {
-        name: "preventable",
-        column: metric::PREVENTABLE_RATE.name,
-        of: |cell| &cell.preventable,
-        count: Cell::preventable_collisions,
-    },
-    Shown { name: "fault", column: metric::FAULT_RATE.name, of: |cell| &cell.fault, count: |cell| cell.faults },
-];
+/// The shares that a row shows, with their names.
+const SHOWN: [(&str, &Metric); 3] =
+    [("collision", &COLLISION_RATE), ("preventable", &PREVENTABLE_RATE), ("fault", &FAULT_RATE)];
 
 /// The cells as a figure in the form of a table: for each cell the rates with their intervals, and every run.
 pub fn results(found: &Findings<'_>) -> Markup {
     let cells = &named(&found.cells);
     let scale = Scale::new(&found.drivers, &found.cells, &found.searches);
-    let axes = RATES.map(|shown| Axis::new(found, cells, shown));
+    let axes = SHOWN.map(|(_, metric)| Axis::new(found, cells, metric));
     html! {
         div.wide {
             table.results {
@@ -55,7 +35,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                     tr {
                         th scope="col" { "pedestrian" }
                         th.number scope="col" { "runs × episodes" }
-                        @for Shown { name, .. } in RATES { th scope="col" { (name) } }
+                        @for (name, _) in SHOWN { th scope="col" { (name) } }
                         @for name in ["impact speed", "length"] { th.number scope="col" { (name) } }
                     }
                     tr.scale {
@@ -108,27 +88,27 @@ fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis; 3], scale: Scale<'
         tr {
             th scope="row" { i class={ "dot f" (named.colour) } {} (named.who) }
             td.number data-label="runs × episodes" {
-                (cell.runs) " × " (count((cell.episodes / cell.runs.max(1)).into()))
-                @if cell.left_out > 0 { " " em.warn { (percent(f64::from(cell.left_out) / f64::from(cell.all))) " left out" } }
-                @if cell.errors > 0 { " " em.warn { (cell.errors) " in error" } }
+                (cell.runs()) " × " (count((cell.count(&EPISODES) / cell.runs().max(1)).into()))
+                @if cell.count(&LEFT_OUT_EPISODES) > 0 { " " em.warn { (percent(f64::from(cell.count(&LEFT_OUT_EPISODES)) / f64::from(cell.count(&ALL_EPISODES)))) " left out" } }
+                @if cell.count(&ERRORS) > 0 { " " em.warn { (cell.count(&ERRORS)) " in error" } }
             }
-            @for (number, shown) in RATES.into_iter().enumerate() {
-                @let rate = (shown.of)(cell);
-                td data-label=(shown.name) {
+            @for (number, (name, metric)) in SHOWN.into_iter().enumerate() {
+                @let rate = &cell.rate(metric);
+                td data-label=(name) {
                     div.rate {
                         @let colour = if number >= 1 { "v0".to_string() } else { format!("f{}", named.colour) };
-                        (axes[number].picture(&colour, rate, scale.ends(cell, shown.of), published(shown.column)))
+                        (axes[number].picture(&colour, rate, scale.ends(cell, metric), published(metric.name)))
                         span {
-                            (Value::spread(rate, (shown.count)(cell), cell.episodes).to_string())
-                            @if let (Some(share), Some(blind)) = (scale.share(cell, shown.of), scale.blind()) {
+                            (Value::spread(cell, metric).to_string())
+                            @if let (Some(share), Some(blind)) = (scale.share(cell, metric), scale.blind()) {
                                 @if blind != cell.key.policy && share >= 0.005 { small { (format!("{share:.2}")) " of " (blind) "’s" } }
                             }
                         }
                     }
                 }
             }
-            td.number data-label="impact speed, m/s" { (tenths(&cell.impact_speed)) }
-            td.number data-label="length, s" { (tenths(&cell.length)) }
+            td.number data-label="impact speed, m/s" { (tenths(&cell.rate(&IMPACT_SPEED))) }
+            td.number data-label="length, s" { (tenths(&cell.rate(&EPISODE_LENGTH))) }
         }
     }
 }
@@ -147,10 +127,10 @@ struct Axis(f64);
 
 impl Axis {
     /// The shortest axis that holds the rates of a column, with their intervals.
-    fn new(found: &Findings<'_>, cells: &[Named<'_>], shown: Shown) -> Self {
-        let ours = cells.iter().map(|named| (shown.of)(named.cell));
-        let ours = ours.flat_map(|rate| rate.by_run.iter().copied().chain(rate.interval.map(|(_, high)| high)));
-        let theirs = found.published.iter().filter(|beside| beside.published.column == shown.column);
+    fn new(found: &Findings<'_>, cells: &[Named<'_>], metric: &Metric) -> Self {
+        let ours = cells.iter().map(|named| named.cell.rate(metric));
+        let ours = ours.flat_map(|rate| rate.by_run.into_iter().chain(rate.interval.map(|(_, high)| high)));
+        let theirs = found.published.iter().filter(|beside| beside.published.column == metric.name);
         let most = ours.chain(theirs.map(|beside| beside.published.mean)).fold(0.0, f64::max);
         Self(ENDS.into_iter().find(|end| most <= *end).unwrap_or(1.0))
     }

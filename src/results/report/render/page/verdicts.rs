@@ -3,6 +3,7 @@ use maud::html;
 use super::identity::{Named, places};
 use super::markup::percent;
 use crate::report::render::svg::{Figure, Panel, px};
+use crate::tables::metrics::{COLLISIONS, LABELLED};
 use world::judge::Label;
 
 /// Width of a panel, and the start and the end of its bars.
@@ -13,7 +14,7 @@ const ROW: f64 = 22.0;
 
 /// The collisions by verdict of the reference drivers, as bars; `None` without any collision.
 pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
-    let hit: Vec<Named<'_>> = cells.iter().filter(|named| named.cell.collisions > 0).cloned().collect();
+    let hit: Vec<Named<'_>> = cells.iter().filter(|named| named.cell.count(&COLLISIONS) > 0).cloned().collect();
     if hit.is_empty() {
         return None;
     }
@@ -42,9 +43,9 @@ struct Piece {
 }
 
 fn pieces(named: &Named<'_>) -> Vec<Piece> {
-    let all = f64::from(named.cell.collisions.max(1));
+    let all = f64::from(named.cell.count(&COLLISIONS).max(1));
     let mut left = BAR.0;
-    let counted = labels().zip(named.cell.labels).filter(|(_, count)| *count > 0);
+    let counted = labels().zip(LABELLED.map(|metric| named.cell.count(metric))).filter(|(_, count)| *count > 0);
     let piece = |((class, label), count): ((usize, Label), u32)| {
         let share = f64::from(count) / all;
         let width = share * (BAR.1 - BAR.0);
@@ -59,7 +60,7 @@ fn panel(place: &str, members: &[&Named<'_>]) -> Panel {
     let rows: Vec<_> = members.iter().map(|named| (*named, pieces(named))).collect();
     let says = rows.iter().map(|(named, pieces)| {
         let texts: Vec<&str> = pieces.iter().map(|piece| piece.text.as_str()).collect();
-        format!(" {}, {} collisions: {}.", named.who, named.cell.collisions, texts.join(", "))
+        format!(" {}, {} collisions: {}.", named.who, named.cell.count(&COLLISIONS), texts.join(", "))
     });
     let says = format!("Shares of collisions.{}", says.collect::<String>());
     let body = html! {
@@ -71,7 +72,7 @@ fn panel(place: &str, members: &[&Named<'_>]) -> Panel {
                     title { (piece.text) }
                 }
             }
-            text.muted.end x=(px(WIDTH)) y=(px(top + 14.5)) { (named.cell.collisions) }
+            text.muted.end x=(px(WIDTH)) y=(px(top + 14.5)) { (named.cell.count(&COLLISIONS)) }
         }
     };
     Panel { title: place.into(), says, size: (WIDTH, ROW * members.len() as f64 + 2.0), body }

@@ -1,7 +1,12 @@
-use super::names::{distinct, head, names};
+use super::names::{head, names};
+use crate::report::Findings;
 use crate::report::render::page::{named, verdicts};
 use crate::report::render::table::{Column, Depth, Section, Table, Value};
-use crate::report::{Cell, Findings};
+use crate::tables::Cell;
+use crate::tables::metrics::{
+    COLLISIONS, EPISODES, EXPECTED_PREVENTABLE, FAULT_RATE, FORESEEABLE_COLLISIONS, LABELLED, PREVENTABLE_RATE,
+    PREVENTABLE_SHARE, WALKED_INTO_COLLISIONS,
+};
 
 /// How to read the table.
 const READING: [&str; 4] = [
@@ -30,7 +35,7 @@ const READING: [&str; 4] = [
 /// Which collisions reference drivers avoid; `None` without a collision.
 pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
     let cells = &found.cells;
-    if cells.iter().all(|cell| cell.collisions == 0) {
+    if cells.iter().all(|cell| cell.count(&COLLISIONS) == 0) {
         return None;
     }
     let mut columns = head();
@@ -42,30 +47,33 @@ pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
     );
     // The figure shows these shares; their numbers are folded on the page.
     columns.extend(names_of_shares.map(|name| Column::number(name).detail()));
-    let row = |cell: &&Cell| {
-        let share = |count: u32| Some(f64::from(count) / f64::from(cell.collisions));
-        let [preventable, others @ .., _bumps] = cell.labels;
+    let row = |cell: &Cell| {
+        let share = |count: u32| Some(f64::from(count) / f64::from(cell.count(&COLLISIONS)));
+        let [preventable, others @ .., _bumps] = LABELLED.map(|metric| cell.count(metric));
         let mut row = names(cell, cells);
         row.extend([
-            Value::Of(cell.collisions.into(), cell.episodes.into()),
-            Value::spread(&cell.preventable, preventable, cell.episodes),
-            Value::Interval(cell.preventable.interval),
-            Value::spread(&cell.fault, cell.faults, cell.episodes),
-            Value::Interval(cell.fault.interval),
-            (&cell.expected_preventable).into(),
+            Value::Of(cell.count(&COLLISIONS).into(), cell.count(&EPISODES).into()),
+            Value::spread(cell, &PREVENTABLE_RATE),
+            Value::Interval(cell.rate(&PREVENTABLE_RATE).interval),
+            Value::spread(cell, &FAULT_RATE),
+            Value::Interval(cell.rate(&FAULT_RATE).interval),
+            (&cell.rate(&EXPECTED_PREVENTABLE)).into(),
             Value::or_count(
-                Value::Estimate(share(preventable), cell.preventable_share.interval, 2),
+                Value::Estimate(share(preventable), cell.rate(&PREVENTABLE_SHARE).interval, 2),
                 share(preventable),
                 preventable,
-                cell.collisions,
+                cell.count(&COLLISIONS),
             ),
         ]);
         row.extend(
-            others.into_iter().chain([cell.walked_into, cell.foreseeable]).map(|count| Value::Number(share(count), 2)),
+            others
+                .into_iter()
+                .chain([cell.count(&WALKED_INTO_COLLISIONS), cell.count(&FORESEEABLE_COLLISIONS)])
+                .map(|count| Value::Number(share(count), 2)),
         );
         row
     };
-    let rows = distinct(cells).iter().filter(|cell| cell.collisions > 0).map(row).collect();
+    let rows = cells.iter().filter(|cell| cell.count(&COLLISIONS) > 0).map(row).collect();
     Some(Section {
         id: "avoidable",
         name: "Avoidable?",

@@ -1,7 +1,9 @@
 use super::names::{place, who};
 use super::{FAULT, Scale};
 use crate::report::render::table::{Column, Place, Section, Table, Value};
-use crate::report::{Cell, DriverResult, Findings, Rate};
+use crate::report::{DriverResult, Findings};
+use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
+use crate::tables::{Cell, Metric};
 
 /// How to read the table.
 const READING: &str = "Own drivers lead, baselines come last; then the order is that of *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
@@ -33,7 +35,7 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
 /// no sample of episodes.
 pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     match result.cell.map(|cell| &cells[cell]) {
-        Some(cell) => cell.injury.value.filter(|_| !cell.is_of_cases).map(|injury| injury * 1000.0),
+        Some(cell) => cell.value(&AVOIDABLE_INJURY).filter(|_| !cell.is_of_cases()).map(|injury| injury * 1000.0),
         None => result.searched.and_then(|found| found.injury_per_thousand),
     }
 }
@@ -78,15 +80,15 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
         ];
         let cell = result.cell.map(|cell| &cells[cell]);
         if evaluated {
-            row.push(cell.map_or(Value::Number(None, 0), |cell| Value::Count(cell.episodes.into())));
+            row.push(cell.map_or(Value::Number(None, 0), |cell| Value::Count(cell.count(&EPISODES).into())));
             row.extend(of_injury(result));
             row.extend([
-                rate(cell, |cell| (&cell.fault, cell.faults)),
+                share(cell, &FAULT_RATE),
                 cell.map_or(Value::Text("–".into()), |cell| {
                     format!("{} in {}", who(cell, cells), place(cell, cells)).into()
                 }),
-                rate(cell, |cell| (&cell.preventable, cell.preventable_collisions())),
-                rate(cell, |cell| (&cell.collision, cell.collisions)),
+                share(cell, &PREVENTABLE_RATE),
+                share(cell, &COLLISION_RATE),
             ]);
         }
         if searched {
@@ -108,12 +110,7 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
     Table { place: Place::Everywhere, head, rows: results.iter().map(row).collect(), ..Table::default() }
 }
 
-/// A rate of a cell, and the number of episodes that it counts.
-type Counted = fn(&Cell) -> (&Rate, u32);
-
-/// A rate of a cell with its interval.
-fn rate(cell: Option<&Cell>, of: Counted) -> Value {
-    let Some(cell) = cell else { return Value::Estimate(None, None, 2) };
-    let (rate, count) = of(cell);
-    Value::rate(rate, count, cell.episodes)
+/// A share of a cell with its interval.
+fn share(cell: Option<&Cell>, metric: &Metric) -> Value {
+    cell.map_or(Value::Estimate(None, None, 2), |cell| Value::share(cell, metric))
 }

@@ -4,9 +4,9 @@ use crate::report::{BeatsUntrained, Findings};
 
 /// Whether the trainings beat untrained pedestrians, and the doubts about them; `None` if no trained controller was evaluated.
 pub fn learnt(found: &Findings<'_>) -> Option<Section> {
-    let Findings { cells, doubts, gathered, .. } = found;
-    let both = cells.iter().zip(&gathered.evidence.cells);
-    let judged: Vec<_> = both.filter_map(|(cell, found)| Some((cell, found.learning.as_ref()?))).collect();
+    let Findings { cells, doubts, .. } = found;
+    let learning = |cell| Some((cell, found.evidence(cell)?.learning.as_ref()?));
+    let judged: Vec<_> = cells.iter().filter_map(learning).collect();
     if judged.is_empty() {
         return None;
     }

@@ -22,8 +22,8 @@ mod failures;
 pub use cast::share_of_two;
 pub use drivers::injury;
 pub use failures::failures_for_terminal;
-pub use names::{distinct, place, who};
-pub use scale::{RateOf, Scale};
+pub use names::{place, who};
+pub use scale::Scale;
 pub use searches::{failed_starts, who as searcher};
 
 pub(crate) use searches::searches as search_section;

@@ -1,8 +1,8 @@
 use std::fmt::Write;
 
-use crate::record::{CellKey, in_block};
-use crate::report::Cell;
+use crate::record::in_block;
 use crate::report::render::table::{Column, Value};
+use crate::tables::Cell;
 
 /// The columns that name a cell.
 pub fn head() -> Vec<Column> {
@@ -17,29 +17,6 @@ pub fn names(cell: &Cell, cells: &[Cell]) -> Vec<Value> {
         place(cell, cells).into(),
         Value::from(&cell.key.policy),
     ]
-}
-
-/// The cells without repetitions: an untrained controller walks the same for every reward, so only its first row stays where all its
-/// figures but the reward are equal.
-pub fn distinct(cells: &[Cell]) -> Vec<&Cell> {
-    let mut all: Vec<&Cell> = Vec::new();
-    for cell in cells {
-        if !all.iter().any(|other| is_repeated(other, cell)) {
-            all.push(cell);
-        }
-    }
-    all
-}
-
-/// Whether two cells are the same but for the reward.
-fn is_repeated(first: &Cell, second: &Cell) -> bool {
-    let key = |cell: &Cell| CellKey { reward: String::new(), ..cell.key.clone() };
-    let counts = |cell: &Cell| (cell.runs, cell.episodes, cell.labels);
-    !first.key.is_of_reward()
-        && counts(first) == counts(second)
-        && (&first.collision, &first.length, &first.impact_speed)
-            == (&second.collision, &second.length, &second.impact_speed)
-        && key(first) == key(second)
 }
 
 /// The controller of a cell, with what distinguishes it from the others: its reward if it was trained, and its training if there are several.

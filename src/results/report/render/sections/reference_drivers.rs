@@ -1,16 +1,15 @@
-use super::names::{distinct, head, names};
+use super::names::{head, names};
 use crate::report::render::table::{Column, Depth, Section, Table, Value};
-use crate::report::{Cell, CellEvidence, Findings};
+use crate::report::{CellEvidence, Findings};
+use crate::tables::Cell;
 use base::statistics::{ClusteredCount, wilson};
 use world::judge::Reference;
 
 /// Collision rates if reference drivers controlled the brake; `None` without a collision.
 pub fn reference_drivers(found: &Findings<'_>) -> Option<Section> {
     let cells = &found.cells;
-    let rows = distinct(cells);
-    let is_row = |cell: &Cell| rows.iter().any(|row| std::ptr::eq(*row, cell));
-    let both = cells.iter().zip(&found.gathered.evidence.cells);
-    let evidence: Vec<(&Cell, &CellEvidence)> = both.filter(|(cell, _)| is_row(cell)).collect();
+    let with_evidence = |cell| Some((cell, found.evidence(cell)?));
+    let evidence: Vec<(&Cell, &CellEvidence)> = cells.iter().filter_map(with_evidence).collect();
     if evidence.iter().all(|(_, found)| found.collisions.count() == 0) {
         return None;
     }
@@ -20,7 +19,7 @@ pub fn reference_drivers(found: &Findings<'_>) -> Option<Section> {
     let row = |(cell, found): &(&Cell, &CellEvidence)| {
         let rate = |count: ClusteredCount| {
             let share = count.share_of(&found.episodes).unwrap_or_default();
-            let interval = (!cell.is_of_cases).then(|| wilson(count, found.episodes));
+            let interval = (!cell.is_of_cases()).then(|| wilson(count, found.episodes));
             let estimate = Value::Estimate(Some(share), interval, 2);
             Value::or_count(estimate, Some(share), count.count() as u32, found.episodes.count() as u32)
         };

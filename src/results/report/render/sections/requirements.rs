@@ -1,9 +1,10 @@
-use super::names::{distinct, place, who};
+use super::names::{place, who};
 use crate::failure::Failure;
 use crate::record::CellKey;
 use crate::report::aggregate::Counted;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
-use crate::report::{Cell, CellRequirement, Findings};
+use crate::report::{CellRequirement, Findings};
+use crate::tables::Cell;
 use world::judge::NoVerdict;
 
 /// The rates of violations of a campaign's requirements; `None` without requirements.
@@ -42,7 +43,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
             },
         )
     };
-    let row = |cell: &&Cell| {
+    let row = |cell: &Cell| {
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
         for (name, no_verdict) in &names {
             let shown = rate(cell, name, CellRequirement::ALL);
@@ -56,7 +57,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         }
         row
     };
-    let rows: Vec<Vec<Value>> = distinct(cells).iter().map(row).collect();
+    let rows: Vec<Vec<Value>> = cells.iter().map(row).collect();
     let of_report = Table { head: head.clone(), rows: rows.clone(), ..Table::default() };
     let title = "violations of requirements".into();
     let of_terminal = Table { place: Place::Terminal, title, head, rows, ..Table::default() };

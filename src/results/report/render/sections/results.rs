@@ -1,8 +1,12 @@
 use super::Scale;
-use super::names::{distinct, place, who};
+use super::names::{place, who};
+use crate::report::Findings;
 use crate::report::render::page::results_picture;
 use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
-use crate::report::{Cell, Findings};
+use crate::tables::Cell;
+use crate::tables::metrics::{
+    ALL_EPISODES, COLLISION_RATE, EPISODES, ERRORS, FAULT_COLLISIONS, FAULT_RATE, LEFT_OUT_EPISODES,
+};
 
 /// How to read the table.
 const READING: &str = "Rates are means over the runs: trainings of a trained pedestrian, seeds of another one. Intervals are Wilson's over the starts, which the runs share; they do \
@@ -29,13 +33,13 @@ pub fn results(found: &Findings<'_>) -> Option<Section> {
 
 /// The share of a cell's episodes that are in no rate.
 fn left_out(cell: &Cell) -> Value {
-    Value::Percent(f64::from(cell.left_out) / f64::from(cell.all.max(1)))
+    Value::Percent(f64::from(cell.count(&LEFT_OUT_EPISODES)) / f64::from(cell.count(&ALL_EPISODES).max(1)))
 }
 
 /// The rates of the cells, narrow enough for a terminal of 80 columns: a heading for each town and driver, and below it a row for each pedestrian.
 fn table(cells: &[Cell], scale: Scale<'_>) -> Table {
-    let has_errors = cells.iter().any(|cell| cell.errors > 0);
-    let has_left_out = cells.iter().any(|cell| cell.left_out > 0);
+    let has_errors = cells.iter().any(|cell| cell.count(&ERRORS) > 0);
+    let has_left_out = cells.iter().any(|cell| cell.count(&LEFT_OUT_EPISODES) > 0);
     let mut head = vec![Column::text("pedestrian"), Column::number("runs × episodes")];
     head.extend(has_left_out.then(|| Column::number("left out")));
     head.extend(has_errors.then(|| Column::number("errors")));
@@ -48,12 +52,12 @@ fn table(cells: &[Cell], scale: Scale<'_>) -> Table {
         rows.push(row);
         for cell in members {
             let mut row = vec![Value::Text(format!("  {}", who(cell, cells)))];
-            row.push(Value::Times(cell.runs.into(), u64::from(cell.episodes / cell.runs.max(1))));
+            row.push(Value::Times(cell.runs().into(), u64::from(cell.count(&EPISODES) / cell.runs().max(1))));
             row.extend(has_left_out.then(|| left_out(cell)));
-            row.extend(has_errors.then(|| Value::Count(cell.errors.into())));
-            row.push(Value::rate(&cell.collision, cell.collisions, cell.episodes));
-            row.push(Value::rate(&cell.fault, cell.faults, cell.episodes));
-            row.extend(scale.name().map(|_| Value::Number(scale.share(cell, |cell| &cell.fault), 2)));
+            row.extend(has_errors.then(|| Value::Count(cell.count(&ERRORS).into())));
+            row.push(Value::share(cell, &COLLISION_RATE));
+            row.push(Value::share(cell, &FAULT_RATE));
+            row.extend(scale.name().map(|_| Value::Number(scale.share(cell, &FAULT_RATE), 2)));
             rows.push(row);
         }
     }
@@ -63,7 +67,7 @@ fn table(cells: &[Cell], scale: Scale<'_>) -> Table {
 /// The cells of each town and driver, with the name of the two, in their order.
 fn by_place(cells: &[Cell]) -> Vec<(String, Vec<&Cell>)> {
     let mut places: Vec<(String, Vec<&Cell>)> = Vec::new();
-    for cell in distinct(cells) {
+    for cell in cells {
         let name = format!("{} · {}", place(cell, cells), cell.key.policy);
         match places.iter_mut().find(|(known, _)| *known == name) {
             Some((_, members)) => members.push(cell),
@@ -80,10 +84,11 @@ fn pedestrians(found: &Findings<'_>) -> Vec<String> {
     let line = |cell: &Cell| {
         let (name, mut members) =
             by_place(&found.cells).into_iter().find(|(_, all)| all.iter().any(|each| each.key == cell.key))?;
-        members.sort_by(|a, b| b.fault.value.unwrap_or(0.0).total_cmp(&a.fault.value.unwrap_or(0.0)));
-        let fault = |cell: &Cell| Value::spread(&cell.fault, cell.faults, cell.episodes);
+        let fault_rate = |cell: &Cell| cell.value(&FAULT_RATE).unwrap_or(0.0);
+        members.sort_by(|a, b| fault_rate(b).total_cmp(&fault_rate(a)));
+        let fault = |cell: &Cell| Value::spread(cell, &FAULT_RATE);
         let rate = |cell: &&Cell| format!("{} {}", who(cell, &found.cells), fault(cell));
-        let rates: Vec<String> = members.iter().filter(|cell| cell.faults > 0).map(rate).collect();
+        let rates: Vec<String> = members.iter().filter(|cell| cell.count(&FAULT_COLLISIONS) > 0).map(rate).collect();
         (members.len() > 1 && !rates.is_empty()).then(|| format!("faults in {name}: {}", rates.join("; ")))
     };
     worst.filter_map(line).collect()
@@ -91,16 +96,16 @@ fn pedestrians(found: &Findings<'_>) -> Vec<String> {
 
 /// The number of episodes in which a driver or a pedestrian failed as a program, in Markdown; empty without any.
 fn errors(cells: &[Cell]) -> Vec<String> {
-    let failed: u32 = cells.iter().map(|cell| cell.errors).sum();
+    let failed: u32 = cells.iter().map(|cell| cell.count(&ERRORS)).sum();
     if failed == 0 {
         return Vec::new();
     }
     let line = |cell: &Cell| {
-        let Cell { key, errors, episodes, .. } = cell;
-        let place = place(cell, cells);
-        format!("- {} in {place} against {}: {errors} of {}", key.controller, key.policy, episodes + errors)
+        let (place, errors) = (place(cell, cells), cell.count(&ERRORS));
+        let all = cell.count(&EPISODES) + errors;
+        format!("- {} in {place} against {}: {errors} of {all}", cell.key.controller, cell.key.policy)
     };
-    let lines: Vec<String> = distinct(cells).into_iter().filter(|cell| cell.errors > 0).map(line).collect();
+    let lines: Vec<String> = cells.iter().filter(|cell| cell.count(&ERRORS) > 0).map(line).collect();
     vec![
         format!(
             "**In {failed} more episodes the driver or the pedestrian failed as a program, or the episode was not run.** They count neither as passed nor as \

@@ -1,7 +1,8 @@
 use std::collections::BTreeSet;
 
-use crate::record::CellKey;
-use crate::report::{Cell, DriverResult, Rate, SearchCell, SearchFailures};
+use crate::report::{DriverResult, SearchCell, SearchFailures};
+use crate::tables::metrics::AVOIDABLE_INJURY;
+use crate::tables::{Cell, Metric};
 
 /// The scale of a campaign's rates: in each setting the rate of a driver that sees no pedestrians; without one, the highest rate of the others.
 #[derive(Debug, Clone, Copy)]
@@ -12,8 +13,6 @@ pub struct Scale<'a> {
     blind: Option<&'a str>,
 }
 
-/// A rate of a cell.
-pub type RateOf = fn(&Cell) -> &Rate;
 /// A figure of the searches of a driver.
 pub type SearchedOf = fn(&SearchFailures) -> Option<f64>;
 
@@ -37,25 +36,25 @@ impl<'a> Scale<'a> {
     /// The drivers in the setting of a cell: the same town, controller and body.
     fn peers(&self, cell: &Cell) -> impl Iterator<Item = &'a Cell> {
         let key = cell.key.clone();
-        self.cells.iter().filter(move |other| CellKey { policy: key.policy.clone(), ..other.key.clone() } == key)
+        self.cells.iter().filter(move |other| other.key.is_beside(&key) && other.key.has_controller_of(&key))
     }
 
     /// The ends of the scale in the setting of a cell: the lowest rate, and that of the driver that sees no pedestrians, or the highest; `None` for a driver
     /// that is alone there.
-    pub fn ends(&self, cell: &Cell, rate: RateOf) -> Option<(f64, f64)> {
-        let rates = || self.peers(cell).filter_map(|other| rate(other).value);
+    pub fn ends(&self, cell: &Cell, metric: &Metric) -> Option<(f64, f64)> {
+        let rates = || self.peers(cell).filter_map(|other| other.value(metric));
         let blind = self.peers(cell).find(|other| self.blind == Some(other.key.policy.as_str()));
         let top = match self.blind {
-            Some(_) => blind.and_then(|blind| rate(blind).value)?,
+            Some(_) => blind.and_then(|blind| blind.value(metric))?,
             None => rates().fold(0.0, f64::max),
         };
         (rates().count() > 1).then(|| (rates().fold(top, f64::min), top))
     }
 
     /// The rate of a cell as a share of the upper end; `None` if that is 0.
-    pub fn share(&self, cell: &Cell, rate: RateOf) -> Option<f64> {
-        let (_, top) = self.ends(cell, rate).filter(|(_, top)| *top > 0.0)?;
-        rate(cell).value.map(|mean| mean / top)
+    pub fn share(&self, cell: &Cell, metric: &Metric) -> Option<f64> {
+        let (_, top) = self.ends(cell, metric).filter(|(_, top)| *top > 0.0)?;
+        cell.value(metric).map(|mean| mean / top)
     }
 
     /// The head of a column of shares; `None` where nobody can be compared.
@@ -67,14 +66,14 @@ impl<'a> Scale<'a> {
     /// The avoidable injury of a driver, as [`Scale::of_driver`].
     pub fn injury_of(&self, result: &DriverResult) -> Option<f64> {
         super::drivers::injury(result, self.cells)?;
-        self.of_driver(result, |cell| &cell.injury, |searched| searched.injury_per_thousand)
+        self.of_driver(result, &AVOIDABLE_INJURY, |searched| searched.injury_per_thousand)
     }
 
     /// A figure of a driver as a share of the upper end: in the setting of its worst cell, else of the drivers with the same searches. `None` where nothing can
     /// be compared.
-    pub fn of_driver(&self, result: &DriverResult, rate: RateOf, searched: SearchedOf) -> Option<f64> {
+    pub fn of_driver(&self, result: &DriverResult, metric: &Metric, searched: SearchedOf) -> Option<f64> {
         if let Some(cell) = result.cell {
-            return self.share(&self.cells[cell], rate);
+            return self.share(&self.cells[cell], metric);
         }
         let value = |result: &DriverResult| searched(&result.searched?);
         let searches = |driver: &str| -> BTreeSet<_> {
@@ -94,15 +93,17 @@ impl<'a> Scale<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::CellKey;
+    use crate::report::Rate;
+    use crate::tables::metrics::FAULT_RATE;
     use base::signature::Arguments;
     use compile::Driver;
 
     #[test]
     fn a_rate_is_compared_with_the_blind_driver_of_its_setting() {
-        let cell = |town: &str, policy: &str, fault| Cell {
-            key: CellKey { town: town.into(), policy: policy.into(), ..CellKey::default() },
-            fault: Rate::single(fault),
-            ..Cell::default()
+        let cell = |town: &str, policy: &str, fault| {
+            let key = CellKey { town: town.into(), policy: policy.into(), ..CellKey::default() };
+            Cell::example(key, &[], &[(&FAULT_RATE, Rate::single(fault))])
         };
         let cells = [
             cell("a", "good", 0.1),
@@ -129,17 +130,17 @@ mod tests {
         let results = [result("good", "idm", 0), result("blind", "cruise", 2)];
         let scale = Scale::new(&results, &cells, &[]);
         assert_eq!(scale.name(), Some("blind"));
-        assert_eq!(scale.share(&cells[1], |cell| &cell.fault), Some(0.3 / 0.4));
-        assert_eq!(scale.ends(&cells[1], |cell| &cell.fault), Some((0.1, 0.4)));
-        assert_eq!(scale.share(&cells[3], |cell| &cell.fault), None, "nobody has a fault there");
+        assert_eq!(scale.share(&cells[1], &FAULT_RATE), Some(0.3 / 0.4));
+        assert_eq!(scale.ends(&cells[1], &FAULT_RATE), Some((0.1, 0.4)));
+        assert_eq!(scale.share(&cells[3], &FAULT_RATE), None, "nobody has a fault there");
         // The worst cell of a driver is compared with the blind driver there, and not with its worst cell.
         let worst = DriverResult { cell: Some(3), ..results[0].clone() };
-        let share = |result| scale.of_driver(result, |cell| &cell.fault, |searched| searched.fault_start_rate);
+        let share = |result| scale.of_driver(result, &FAULT_RATE, |searched| searched.fault_start_rate);
         assert_eq!((share(&results[0]), share(&worst)), (Some(0.25), None));
         let pair = [result("good", "idm", 0), result("bad", "idm", 1)];
         let others = Scale::new(&pair, &cells[..2], &[]);
         assert_eq!(others.name(), Some("worst"));
-        assert_eq!(others.ends(&cells[0], |cell| &cell.fault), Some((0.1, 0.3)));
+        assert_eq!(others.ends(&cells[0], &FAULT_RATE), Some((0.1, 0.3)));
         assert_eq!(Scale::new(&[], &cells[..1], &[]).name(), None);
     }
 }

@@ -1,8 +1,10 @@
 use std::collections::BTreeMap;
 
 use crate::record::CellKey;
+use crate::report::Findings;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
-use crate::report::{Cell, Findings};
+use crate::tables::Cell;
+use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
 use base::statistics::{ClusteredCount, wilson};
 
 /// The faults of each driver in each simulator side by side; `None` if no driver drives in two.
@@ -14,7 +16,7 @@ pub fn worlds(found: &Findings<'_>) -> Option<Section> {
         }
     });
     let row = |driver: &str| {
-        let own = || found.cells.iter().filter(|cell| cell.key.policy == driver && cell.episodes > 0);
+        let own = || found.cells.iter().filter(|cell| cell.key.policy == driver && cell.count(&EPISODES) > 0);
         let elsewhere = |cell: &Cell, world: &str| CellKey { world: world.into(), ..cell.key.clone() };
         let has = |cell: &Cell, world: &str| own().any(|other| other.key == elsewhere(cell, world));
         let driven: Vec<&str> =
@@ -54,10 +56,10 @@ fn rate<'a>(cells: impl Iterator<Item = &'a Cell>) -> Value {
     let mut is_of_cases = false;
     for cell in cells {
         let (faults, episodes, runs) = towns.entry(&cell.key.town).or_default();
-        *faults += u64::from(cell.faults).into();
-        *episodes += u64::from(cell.episodes).into();
-        *runs += cell.runs;
-        is_of_cases |= cell.is_of_cases;
+        *faults += u64::from(cell.count(&FAULT_COLLISIONS)).into();
+        *episodes += u64::from(cell.count(&EPISODES)).into();
+        *runs += cell.runs();
+        is_of_cases |= cell.is_of_cases();
     }
     let clustered = |of: fn(&(ClusteredCount, ClusteredCount, u32)) -> ClusteredCount| -> ClusteredCount {
         towns.values().map(|town| of(town).of_clusters(town.2.into())).sum()

@@ -1,3 +1,4 @@
+use crate::tables::{Cell, Metric};
 use std::fmt;
 
 use crate::report::Rate;
@@ -50,6 +51,11 @@ const RARE: f64 = 0.005;
 
 impl Value {
     /// A rate with its interval; the number of `whole` episodes and the upper end of the interval if the rate is too small for two digits.
+    pub fn share(cell: &Cell, metric: &Metric) -> Self {
+        Self::rate(&cell.rate(metric), cell.part(metric), cell.whole(metric))
+    }
+
+    /// The same of a rate of `whole` episodes.
     pub fn rate(rate: &Rate, part: u32, whole: u32) -> Self {
         if let (Some(..RARE), Some((_, high))) = (rate.value, rate.interval) {
             // Rounded up: it is a bound.
@@ -61,8 +67,9 @@ impl Value {
     }
 
     /// A rate with its standard deviation; the number of `whole` episodes if the rate is too small for two digits.
-    pub fn spread(rate: &Rate, part: u32, whole: u32) -> Self {
-        Self::or_count(rate.into(), rate.value, part, whole)
+    pub fn spread(cell: &Cell, metric: &Metric) -> Self {
+        let rate = cell.rate(metric);
+        Self::or_count((&rate).into(), rate.value, cell.part(metric), cell.whole(metric))
     }
 
     /// A rate of `whole` episodes, or their number if it is too small for two digits.

@@ -1,0 +1,423 @@
+use std::ops::Deref;
+use std::sync::Arc;
+
+use polars::prelude::{
+    Column as Values, DataFrame, DataType, Expr, IntoLazy, NamedFrom, PolarsResult, Series, SortMultipleOptions, col,
+    len,
+};
+
+use super::Metric;
+use super::metrics::{MEAN, METRICS, RUNS};
+use super::runs::{IS_COPY, IS_OF_CASES, part_of};
+use crate::record::columns::{DRIVER, TOWN, WORLD};
+use crate::record::{CellKey, Column, ColumnReference, Role, Table, cell_key};
+use crate::report::{Method, Rate};
+use base::statistics::{ClusteredCount, wilson};
+
+/// The cells of a campaign, in the order of first appearance: all runs that differ in their number alone.
+#[derive(Debug, Clone, Default)]
+pub struct Cells {
+    table: Arc<DataFrame>,
+    cells: Vec<Cell>,
+}
+
+/// A row of the table of cells.
+#[derive(Debug, Clone, Default)]
+pub struct Cell {
+    pub key: CellKey,
+    table: Arc<DataFrame>,
+    row: usize,
+}
+
+impl Cells {
+    /// The cells of a table of runs. Of each metric they have the sum over the runs, or mean, deviation and the values of the runs; of a share, the interval over
+    /// the starts, which the runs share.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table of runs.
+    pub(super) fn new(runs: &DataFrame) -> PolarsResult<Self> {
+        if runs.height() == 0 {
+            return Ok(Self::default());
+        }
+        let keys = key_columns();
+        let groups: Vec<Expr> =
+            keys.iter().map(String::as_str).chain([IS_OF_CASES.name, IS_COPY.name]).map(col).collect();
+        let mut table = runs.clone().lazy().group_by_stable(groups).agg(aggregates()).collect()?;
+        for metric in METRICS.into_iter().filter(|metric| metric.is_share) {
+            let ends = intervals(&table, metric)?;
+            for (name, place) in [("low", 0), ("high", 1)] {
+                let end: Vec<Option<f64>> = ends.iter().map(|ends| ends.map(|ends| [ends.0, ends.1][place])).collect();
+                table.with_column(Values::from(Series::new(format!("{}_wilson_{name}", metric.name).into(), end)))?;
+            }
+        }
+        Self::of(table)
+    }
+
+    /// The rows of a table.
+    fn of(table: DataFrame) -> PolarsResult<Self> {
+        let table = Arc::new(table);
+        let cell = |row| Ok(Cell { key: CellKey::read(&table, row)?, table: table.clone(), row });
+        let cells = (0..table.height()).map(cell).collect::<PolarsResult<_>>()?;
+        Ok(Self { table, cells })
+    }
+
+    /// Those that count, and those of untrained pedestrians that walked the same for an earlier reward, which would count twice.
+    ///
+    /// # Errors
+    /// Those of polars; none.
+    pub(super) fn without_copies(&self) -> PolarsResult<[Self; 2]> {
+        if self.cells.is_empty() {
+            return Ok([Self::default(), Self::default()]);
+        }
+        let of = |rows: Expr| Self::of(self.table.as_ref().clone().lazy().filter(rows).collect()?);
+        Ok([of(col(IS_COPY.name).not())?, of(col(IS_COPY.name))?])
+    }
+
+    /// Sums of counts over all cells that agree in these parts of the key, in the order of the parts' values; the other parts are empty.
+    ///
+    /// # Panics
+    /// Never: the table has these columns.
+    pub fn sums<const N: usize>(&self, by: &[Column<String>], counts: &[&Metric; N]) -> Vec<(CellKey, [u64; N])> {
+        if self.cells.is_empty() {
+            return Vec::new();
+        }
+        let keys: Vec<Expr> = by.iter().map(|column| col(column.name)).collect();
+        let sums: Vec<Expr> = counts.iter().map(|count| col(count.name).cast(DataType::UInt64).sum()).collect();
+        let table = self.table.as_ref().clone().lazy().group_by_stable(keys.clone()).agg(sums);
+        let table =
+            table.sort_by_exprs(keys, SortMultipleOptions::default()).collect().expect("the table has these columns");
+        let count = |row: usize, name: &str| table.column(name).ok()?.u64().ok()?.get(row);
+        let row = |row: usize| {
+            let part = |column: &Column<String>| column.value(&table, row).ok().flatten().unwrap_or_default();
+            let key = CellKey { town: part(&TOWN), policy: part(&DRIVER), world: part(&WORLD), ..CellKey::default() };
+            (key, counts.map(|metric| count(row, metric.name).unwrap_or_default()))
+        };
+        (0..table.height()).map(row).collect()
+    }
+
+    /// The table.
+    pub fn table(&self) -> &DataFrame {
+        &self.table
+    }
+}
+
+impl Deref for Cells {
+    type Target = [Cell];
+
+    fn deref(&self) -> &[Cell] {
+        &self.cells
+    }
+}
+
+fn key() -> Vec<ColumnReference> {
+    Table::<CellKey>::new("", "").columns(cell_key(|key: &CellKey| key)).reference().columns
+}
+
+/// The names of the columns of a cell's key.
+pub fn key_columns() -> Vec<String> {
+    key().into_iter().map(|column| column.name.into_owned()).collect()
+}
+
+/// The columns of the table of cells: the key, the number of runs, sums, means, deviations, and intervals of shares.
+pub fn cell_columns() -> Vec<ColumnReference> {
+    let mut all = key();
+    all.push(RUNS.reference());
+    all.extend(METRICS.into_iter().filter(|metric| metric.is_count()).map(Metric::reference));
+    for metric in METRICS.into_iter().filter(|metric| !metric.is_count()) {
+        let own = metric.reference();
+        let of = |name: String, role| ColumnReference {
+            name: name.into(),
+            unit: "".into(),
+            doc: "".into(),
+            role,
+            ..own.clone()
+        };
+        all.push(ColumnReference { doc: MEAN.doc().into(), ..of(MEAN.name(metric.name), own.role) });
+        all.push(of(format!("{}_sd", metric.name), Role::Deviation));
+        if metric.is_share {
+            all.push(of(format!("{}_wilson_low", metric.name), Role::LowerBound));
+            all.push(of(format!("{}_wilson_high", metric.name), Role::UpperBound));
+        }
+    }
+    all
+}
+
+/// What becomes of the runs of a cell.
+fn aggregates() -> Vec<Expr> {
+    let mut all = vec![len().alias(RUNS.name)];
+    for metric in METRICS {
+        let value = || col(metric.name);
+        all.push(if metric.is_count() { value().sum() } else { value().mean().alias(MEAN.name(metric.name)) });
+        if !metric.is_count() {
+            all.push(value().std(1).alias(format!("{}_sd", metric.name)));
+            all.push(value().drop_nulls().alias(by_run(metric)));
+            all.push(col(part_of(metric)).sum());
+        }
+    }
+    all
+}
+
+/// The column of the values of the runs that have one.
+fn by_run(metric: &Metric) -> String {
+    format!("{}_by_run", metric.name)
+}
+
+/// Wilson's interval of a share in each cell. The runs share their starts, so a start counts once.
+fn intervals(table: &DataFrame, metric: &Metric) -> PolarsResult<Vec<Option<(f64, f64)>>> {
+    let whole = metric.whole.map_or(metric.name, |whole| whole.name);
+    let (parts, wholes) = (table.column(&part_of(metric))?.u32()?, table.column(whole)?.u32()?);
+    let (runs, of_cases) = (table.column(RUNS.name)?.u32()?, IS_OF_CASES.read(table)?);
+    let ends = |row: usize| {
+        let runs = f64::from(runs.get(row)?);
+        let starts = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(runs);
+        (of_cases.get(row) == Some(false)).then_some(wilson(starts(parts.get(row)?), starts(wholes.get(row)?)))
+    };
+    Ok((0..table.height()).map(ends).collect())
+}
+
+impl Cell {
+    /// Whether its episodes are the cases of a test: its rates have no interval.
+    pub fn is_of_cases(&self) -> bool {
+        IS_OF_CASES.value(&self.table, self.row).is_ok_and(|is| is == Some(true))
+    }
+
+    pub fn runs(&self) -> u32 {
+        RUNS.value(&self.table, self.row).ok().flatten().unwrap_or_default()
+    }
+
+    /// A count over all runs.
+    pub fn count(&self, metric: &Metric) -> u32 {
+        let count = || self.table.column(metric.name).ok()?.u32().ok()?.get(self.row);
+        count().unwrap_or_default()
+    }
+
+    /// The sum of which a share is the ratio.
+    pub fn part(&self, metric: &Metric) -> u32 {
+        let count = || self.table.column(&part_of(metric)).ok()?.u32().ok()?.get(self.row);
+        count().unwrap_or_default()
+    }
+
+    /// The sum to which a metric is a ratio.
+    pub fn whole(&self, metric: &Metric) -> u32 {
+        metric.whole.map_or(0, |whole| self.count(whole))
+    }
+
+    /// A mean or a share over the runs, with its interval over the starts.
+    pub fn rate(&self, metric: &Metric) -> Rate {
+        let number = |name: String| self.table.column(&name).ok()?.f64().ok()?.get(self.row);
+        let by_run = || {
+            Some(
+                self.table
+                    .column(&by_run(metric))
+                    .ok()?
+                    .list()
+                    .ok()?
+                    .get_as_series(self.row)?
+                    .f64()
+                    .ok()?
+                    .into_no_null_iter()
+                    .collect(),
+            )
+        };
+        let ends = ["low", "high"].map(|end| number(format!("{}_wilson_{end}", metric.name)));
+        let rate = Rate {
+            value: number(MEAN.name(metric.name)),
+            sd: number(format!("{}_sd", metric.name)),
+            by_run: by_run().unwrap_or_default(),
+            ..Rate::default()
+        };
+        match ends {
+            [Some(low), Some(high)] => rate.within(Some((low, high)), Method::Wilson),
+            _ => rate,
+        }
+    }
+
+    /// The mean of a metric over the runs.
+    pub fn value(&self, metric: &Metric) -> Option<f64> {
+        self.table.column(&MEAN.name(metric.name)).ok()?.f64().ok()?.get(self.row)
+    }
+}
+
+#[cfg(test)]
+impl Cell {
+    /// A cell with these counts and these means, which is neither a test nor a copy.
+    pub fn example(key: CellKey, counts: &[(&Metric, u32)], rates: &[(&Metric, Rate)]) -> Self {
+        let mut table = Table::<CellKey>::new("", "").columns(cell_key(|key: &CellKey| key)).frame(&[key.clone()]);
+        let mut add = |column: Series| table.with_column(Values::from(column)).map(|_| ()).unwrap();
+        for flag in [IS_OF_CASES.name, IS_COPY.name] {
+            add(Series::new(flag.into(), [false]));
+        }
+        add(Series::new(RUNS.name.into(), [1_u32]));
+        for metric in METRICS {
+            if metric.is_count() {
+                let count = counts.iter().find(|(known, _)| known.name == metric.name).map_or(0, |(_, count)| *count);
+                add(Series::new(metric.name.into(), [count]));
+                continue;
+            }
+            let rate = rates.iter().find(|(known, _)| known.name == metric.name);
+            let rate = rate.map(|(_, rate)| rate.clone()).unwrap_or_default();
+            add(Series::new(MEAN.name(metric.name).into(), [rate.value]));
+            add(Series::new(format!("{}_sd", metric.name).into(), [rate.sd]));
+            add(Series::new(format!("{}_wilson_low", metric.name).into(), [rate.interval.map(|ends| ends.0)]));
+            add(Series::new(format!("{}_wilson_high", metric.name).into(), [rate.interval.map(|ends| ends.1)]));
+        }
+        Self { key, table: Arc::new(table), row: 0 }
+    }
+}
+
+#[cfg(test)]
+impl Cells {
+    /// A table of these cells.
+    pub fn example(cells: &[Cell]) -> Self {
+        let mut table = cells[0].table.as_ref().clone();
+        cells[1..].iter().for_each(|cell| table.vstack_mut(&cell.table).map(|_| ()).unwrap());
+        table.rechunk_mut();
+        Self::of(table).unwrap()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{EpisodeRow, RunKey, episodes};
+    use crate::tables::Runs;
+    use crate::tables::metrics::{
+        COLLISION_RATE, COLLISIONS, EPISODE_REWARD, EPISODES, ERRORS, FAULT_RATE, FORESEEABLE_COLLISIONS, FRONT_RATE,
+        IMPACT_SPEED, LABELLED, PREVENTABLE_RATE, PREVENTABLE_SHARE, TOUCH_RATE,
+    };
+    use world::av::Fault;
+    use world::env::Ending;
+    use world::judge::{ContactSide, Label, Verdict};
+
+    fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
+        let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Touch {
+            pedestrian: 0,
+            front,
+            moving: impact_speed > 0.1,
+            impact_speed,
+            bearing: 0.5,
+        });
+        let mut row = crate::record::tests::row(episode, ending);
+        row.key = RunKey { id: format!("{run:08x}").parse().unwrap(), run, ..RunKey::clone(&row.key) }.into();
+        (row.judged.outcome.reward, row.judged.outcome.ticks) = (hit.map_or(0.0, |(_, speed)| 1.0 + speed), 10);
+        // Frontal collisions are preventable; the others are bumps.
+        row.judged.verdict = row.judged.verdict.zip(hit).map(|(verdict, (front, impact_speed))| Verdict {
+            label: if front { Label::Preventable } else { Label::Bump },
+            side: ContactSide::Front,
+            walked_into: false,
+            foreseeable: front,
+            impact_speed,
+            ..verdict
+        });
+        row
+    }
+
+    /// The table of runs of parts of episodes.
+    fn runs(parts: &[&[EpisodeRow]]) -> DataFrame {
+        let mut runs = Runs::default();
+        let mut last = None;
+        for part in parts {
+            if last.replace(part[0].key.clone()).as_ref() != Some(&part[0].key) {
+                runs.begin(&part[0].key, false, false);
+            }
+            runs.add(&episodes(part)).unwrap();
+        }
+        runs.table().unwrap()
+    }
+
+    /// The cells of the runs of these episodes.
+    fn cells_of(rows: &[EpisodeRow]) -> Cells {
+        let parts: Vec<&[EpisodeRow]> = rows.chunk_by(|one, next| one.key == next.key).collect();
+        Cells::new(&runs(&parts)).unwrap()
+    }
+
+    #[test]
+    fn episodes_become_runs_and_runs_become_cells() {
+        let rows = [
+            row(0, 0, Some((true, 4.0))),
+            row(0, 1, Some((false, 0.0))),
+            row(0, 2, None),
+            row(0, 3, None),
+            row(1, 0, Some((true, 6.0))),
+            row(1, 1, None),
+            row(1, 2, None),
+            row(1, 3, None),
+        ];
+        let cells = cells_of(&rows);
+        let [cell] = &*cells else { panic!("one cell") };
+        assert_eq!((cell.runs(), cell.count(&EPISODES)), (2, 8));
+        let near = |metric: &Metric, mean: f64, sd: f64| {
+            let rate = cell.rate(metric);
+            assert!((rate.value.unwrap() - mean).abs() < 1e-12, "{rate:?}");
+            assert!((rate.sd.unwrap() - sd).abs() < 1e-12, "{rate:?}");
+        };
+        near(&TOUCH_RATE, 0.375, 0.125 * 2.0_f64.sqrt());
+        near(&FRONT_RATE, 0.75, 0.25 * 2.0_f64.sqrt());
+        near(&COLLISION_RATE, 0.25, 0.0);
+        near(&IMPACT_SPEED, 5.0, 2.0_f64.sqrt());
+        near(&PREVENTABLE_RATE, 0.25, 0.0);
+        near(&PREVENTABLE_SHARE, 1.0, 0.0);
+        assert_eq!(cell.rate(&COLLISION_RATE).by_run, [0.25, 0.25]);
+        // Its two runs share four starts.
+        for (metric, interval) in
+            [(&COLLISION_RATE, wilson(1, 4)), (&PREVENTABLE_RATE, wilson(1, 4)), (&PREVENTABLE_SHARE, wilson(1, 1))]
+        {
+            assert_eq!(cell.rate(metric).interval, Some(interval), "{}", metric.name);
+        }
+        assert_eq!((cell.part(&COLLISION_RATE), cell.whole(&COLLISION_RATE)), (2, 8));
+        assert_eq!(LABELLED.map(|metric| cell.count(metric)), [2, 0, 0, 0, 1]);
+        assert_eq!((cell.count(&COLLISIONS), cell.count(&FORESEEABLE_COLLISIONS)), (2, 2));
+        // Every preventable collision of these is foreseeable.
+        assert_eq!(cell.rate(&FAULT_RATE), cell.rate(&PREVENTABLE_RATE));
+    }
+
+    #[test]
+    fn episodes_in_error_count_as_errors_and_nowhere_else() {
+        let failed = |run, episode| {
+            let mut row = row(run, episode, None);
+            row.judged.outcome.ending = Ending::Error(Fault::Ended(world::av::Exit::Unknown));
+            row.judged.outcome.reward = 100.0;
+            row
+        };
+        let cells = cells_of(&[row(0, 0, Some((true, 4.0))), failed(0, 1), row(0, 2, None), failed(1, 0)]);
+        let cell = &cells[0];
+        assert_eq!((cell.runs(), cell.count(&EPISODES), cell.count(&ERRORS)), (2, 2, 2));
+        let collision = cell.rate(&COLLISION_RATE);
+        assert_eq!((collision.value, collision.sd), (Some(0.5), None), "a run of errors alone has no rate");
+        assert_eq!(cell.value(&EPISODE_REWARD), Some(2.5));
+        let starts = |count: u64| ClusteredCount::from(count).of_clusters(2.0);
+        assert_eq!(collision.interval.unwrap(), wilson(starts(1), starts(2)));
+    }
+
+    #[test]
+    fn parts_of_a_run_and_any_number_of_threads_give_the_same_bits() {
+        let rows: Vec<_> = (0..2_000)
+            .map(|n| row(n / 1_000, n % 1_000, (n % 3 == 0).then(|| (n % 2 == 0, 0.1 * f64::from(n)))))
+            .collect();
+        let whole: Vec<&[EpisodeRow]> = rows.chunks(1_000).collect();
+        let wanted = runs(&whole);
+        assert_eq!(wanted.height(), 2);
+        for size in [1, 8, 500] {
+            assert!(runs(&rows.chunks(size).collect::<Vec<_>>()).equals_missing(&wanted), "{size}");
+        }
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            assert!(pool.install(|| runs(&whole)).equals_missing(&wanted), "{threads}");
+        }
+        assert_eq!(Runs::default().table().unwrap().height(), 0);
+    }
+
+    #[test]
+    fn a_run_without_collisions_has_no_front_rate() {
+        let cells = cells_of(&[row(0, 0, None)]);
+        assert_eq!((cells[0].value(&FRONT_RATE), cells[0].value(&COLLISION_RATE)), (None, Some(0.0)));
+    }
+
+    #[test]
+    fn the_columns_of_the_table_are_those_that_are_documented() {
+        let cells = cells_of(&[row(0, 0, None)]);
+        let is_missing = |column: &ColumnReference| cells.table().get_column_index(&column.name).is_none();
+        let missing: Vec<_> = cell_columns().into_iter().filter(is_missing).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+    }
+}

@@ -1,0 +1,113 @@
+use polars::prelude::{
+    Column as Values, DataFrame, Expr, IntoLazy, PolarsResult, Scalar, UnionArgs, col, concat, lit, when,
+};
+
+use super::metrics::{HIDDEN, METRICS};
+use super::{Cells, Metric};
+use crate::record::columns::{RUN, RUN_ID};
+use crate::record::{Column, DEGREES, RunKey, Table, cell_key};
+
+/// The number of rows that are summed at once. The sums of a run depend on it, and so do their last digits.
+const ROWS: usize = 10_000;
+
+/// The place of a run among those of the campaign.
+const PLACE: &str = "place";
+/// Whether the episodes of a run are the cases of a test, each once. They are no sample, and nothing has an interval.
+pub const IS_OF_CASES: Column<bool> = Column::new("is_of_cases", "", "whether the episodes are the cases of a test");
+/// Whether an untrained pedestrian walked the same for an earlier reward of the campaign.
+pub(super) const IS_COPY: Column<bool> =
+    Column::new("is_copy", "", "whether only the reward differs from an earlier row");
+
+/// The runs of a campaign, from their episodes, in memory that does not grow with these.
+#[derive(Debug, Clone, Default)]
+pub struct Runs {
+    keys: Vec<(RunKey, bool, bool)>,
+    /// Episodes that are not summed yet, and their number.
+    waiting: Vec<DataFrame>,
+    rows: usize,
+    /// Sums of parts of runs.
+    sums: Vec<DataFrame>,
+}
+
+impl Runs {
+    /// Begins a run, whose episodes follow.
+    pub fn begin(&mut self, key: &RunKey, is_of_cases: bool, is_copy: bool) {
+        self.keys.push((key.clone(), is_of_cases, is_copy));
+    }
+
+    /// Adds episodes of the run that was begun last.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
+    pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
+        let place = Values::new_scalar(PLACE.into(), Scalar::from(self.keys.len() as u32 - 1), part.height());
+        // Only some runs have degrees, and no metric is made of them.
+        let mut part = part.drop_many([DEGREES.name]);
+        part.with_column(place)?;
+        self.rows += part.height();
+        self.waiting.push(part);
+        if self.rows >= ROWS { self.sum() } else { Ok(()) }
+    }
+
+    /// Sums the episodes that wait.
+    fn sum(&mut self) -> PolarsResult<()> {
+        let parts: Vec<_> = self.waiting.drain(..).map(IntoLazy::lazy).collect();
+        self.rows = 0;
+        if !parts.is_empty() {
+            let sums: Vec<Expr> = summed().map(|metric| (metric.part)().sum().alias(part_of(metric))).collect();
+            self.sums.push(concat(parts, UnionArgs::default())?.group_by_stable([col(PLACE)]).agg(sums).collect()?);
+        }
+        Ok(())
+    }
+
+    /// The table of runs: the key, and the value and the sums of each metric. A run without any episode has no row.
+    ///
+    /// # Errors
+    /// As [`Runs::add`].
+    pub fn table(mut self) -> PolarsResult<DataFrame> {
+        self.sum()?;
+        let keys = Table::<(RunKey, bool, bool)>::new("runs", "")
+            .column(RUN_ID.of(|row: &(RunKey, bool, bool)| row.0.id.to_string()))
+            .columns(cell_key(|row: &(RunKey, bool, bool)| &row.0.cell))
+            .column(RUN.of(|row: &(RunKey, bool, bool)| row.0.run))
+            .column(IS_OF_CASES.of(|row: &(RunKey, bool, bool)| row.1))
+            .column(IS_COPY.of(|row: &(RunKey, bool, bool)| row.2));
+        let parts: Vec<_> = self.sums.into_iter().map(IntoLazy::lazy).collect();
+        if parts.is_empty() {
+            return Ok(keys.frame(&[]));
+        }
+        let sums = summed().map(|metric| col(part_of(metric)).sum());
+        let values: Vec<Expr> =
+            METRICS.iter().filter(|metric| !metric.is_count()).map(|metric| value(metric)).collect();
+        let sums = concat(parts, UnionArgs::default())?.group_by_stable([col(PLACE)]).agg(sums.collect::<Vec<_>>());
+        let sums = sums.with_columns(values).collect()?;
+        let places: Vec<u32> = sums.column(PLACE)?.u32()?.into_no_null_iter().collect();
+        let found: Vec<_> = places.iter().map(|place| self.keys[*place as usize].clone()).collect();
+        keys.frame(&found).hstack(sums.drop(PLACE)?.columns())
+    }
+
+    /// The cells of the runs, and copies of them: of untrained pedestrians, for further rewards.
+    ///
+    /// # Errors
+    /// As [`Runs::add`].
+    pub fn cells(self) -> PolarsResult<[Cells; 2]> {
+        Cells::new(&self.table()?)?.without_copies()
+    }
+}
+
+/// The metrics of which sums are kept.
+fn summed() -> impl Iterator<Item = &'static Metric> {
+    METRICS.into_iter().chain(HIDDEN)
+}
+
+/// The column of the sum of a metric: that of a count is its value.
+pub(super) fn part_of(metric: &Metric) -> String {
+    if metric.is_count() { metric.name.into() } else { format!("{}_part", metric.name) }
+}
+
+/// The value of a ratio in a run; missing where its whole is 0.
+fn value(metric: &Metric) -> Expr {
+    let whole = metric.whole.map_or_else(|| lit(1), |whole| col(whole.name));
+    let ratio = col(part_of(metric)).cast(polars::prelude::DataType::Float64) / whole.clone();
+    when(whole.gt(lit(0))).then(ratio).otherwise(lit(polars::prelude::NULL)).alias(metric.name)
+}
