@@ -61,6 +61,7 @@ mod settings;
 mod shards;
 mod smoke;
 mod stale;
+mod structure;
 mod tables_elsewhere;
 mod together;
 mod tools;
