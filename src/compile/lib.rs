@@ -47,7 +47,7 @@ mod lower;
 mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
-pub use external_world::{Misfit, Staging};
+pub use external_world::{BRIDGES, Misfit, Staging, bridge_command};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use jobs::*;
