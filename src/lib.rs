@@ -83,7 +83,7 @@ pub mod language {
     #[doc(inline)]
     pub use compile::{
         Campaign, Catalog, Compiled, Evaluation, ExternalProgram, FalsifierKind, NoRunId, Plan, PolicyKind, RunId,
-        Search, TakenKind, TownKind, Training, TrainingKey, WalkerKind,
+        Search, Sight, TakenKind, TownKind, Training, TrainingKey, WalkerKind,
     };
     #[doc(inline)]
     pub use lang::{Reader, Unreadable};

@@ -47,7 +47,7 @@ mod lower;
 mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
-pub use external_world::{Misfit, Staging};
+pub use external_world::{BRIDGES, Misfit, Staging, bridge_command};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use jobs::*;
@@ -55,7 +55,7 @@ pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, Documented, Driver, NamedTown, OutsideSetting, Plan, Published, PublishedCell, PublishedFigure,
 };
-pub use policy_kind::PolicyKind;
+pub use policy_kind::{PolicyKind, Sight};
 pub use programs::{ExternalProgram, Programs, changed_files};
 pub use published::published_columns;
 pub use reference::{block, key, short_key};

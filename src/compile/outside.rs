@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::external_world::bridge_command;
 use super::lowering::Lowering;
 use super::policy_kind::FromArguments;
 use base::signature::{Arguments, Keys};
@@ -10,7 +11,7 @@ use lang::{Reader, diagnostics, reason};
 use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys};
-use world::env::{BridgeKeys, bridge_command};
+use world::env::BridgeKeys;
 
 /// A program, if the user allows programs. It is not started here. Other arguments may have other parameters for it.
 pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {

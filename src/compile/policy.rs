@@ -4,7 +4,7 @@ use super::Catalog;
 use super::driver_parts;
 use super::lowering::{Lowering, MadeDriver};
 use super::plan::Driver;
-use super::policy_kind::{CommonKeys, FromArguments, PolicyKind};
+use super::policy_kind::{CommonKeys, FromArguments, PolicyKind, Sight};
 use super::{outside, sensors};
 use base::diagnostic::{Sources, Span};
 use base::signature::{Arguments, Form, Keys, Signature, Type, Value, short};
@@ -16,25 +16,23 @@ use ported::lav::Lav;
 use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
 use world::av::sensors::{SensorKeys, SensorModel, SensorWrapper};
-use world::av::{
-    ActuationDelay, Aeb, CarefulHuman, Cruise, CruiseKeys, Idm, Native, NativeKeys, OracleBrake, Predictive, RssGuarded,
-};
+use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, Idm, Native, OracleBrake, Predictive, RssGuarded};
 use world::env::PolicyMaker;
 
 /// All kinds of drivers; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
     vec![
-        PolicyKind::new(BehaviorAgent::from_keys),
+        PolicyKind::new(BehaviorAgent::from_keys).with_sight(Sight::ThroughWalls),
         PolicyKind::new(Lav::from_keys),
-        PolicyKind::new(InterFuser::from_keys),
+        PolicyKind::new(InterFuser::from_keys).with_sight(Sight::ThroughWalls),
         PolicyKind::new(Idm::new),
-        PolicyKind::new(Cruise::new),
-        PolicyKind::new(Aeb::new),
-        PolicyKind::new(RssGuarded::new),
-        PolicyKind::new(Predictive::new),
+        PolicyKind::new(Cruise::new).with_sight(Sight::Blind),
+        PolicyKind::new(Aeb::new).with_sight(Sight::ThroughWalls),
+        PolicyKind::new(RssGuarded::new).with_sight(Sight::ThroughWalls),
+        PolicyKind::new(Predictive::new).with_sight(Sight::ThroughWalls),
         PolicyKind::new(OracleBrake::new),
         PolicyKind::new(CarefulHuman::new),
-        PolicyKind::new(Native::new),
+        PolicyKind::new(Native::new).with_sight(Sight::Blind),
         PolicyKind::outside::<ExternalKeys>(outside::external),
         PolicyKind::outside::<OnnxKeys>(outside::onnx),
     ]
@@ -50,7 +48,7 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<M
     let make = driver(declaration, lowering)?;
     let model = sensor_model(declaration, lowering);
     let written = declaration.block.places.iter().find(|(key, _)| *key == "sensors");
-    if let Some((_, span)) = written.filter(|_| [CruiseKeys::KIND, NativeKeys::KIND].contains(&declaration.kind)) {
+    if let Some((_, span)) = written.filter(|_| kind(declaration, lowering).sight == Sight::Blind) {
         lowering.said.push(diagnostics::sensors_without_effect(*span, declaration.kind));
     }
     let arguments = &declaration.block.arguments;
@@ -71,12 +69,10 @@ fn sensor_model(declaration: &Declaration, lowering: &Lowering<'_>) -> Option<Ar
     sensors.map(|sensors| Arc::new(sensors::lower(&lowering.program.get(sensors).block)))
 }
 
-/// The kinds that know of every actor, through walls, unless their sensors say otherwise.
-const SEEING_THROUGH: [&str; 5] = ["behavior_agent", "interfuser", "aeb", "rss_guarded", "predictive"];
-
 /// Whether a driver sees actors behind obstacles.
 pub fn sees_through(declaration: &Declaration, lowering: &Lowering<'_>) -> bool {
-    SEEING_THROUGH.contains(&declaration.kind) && sensor_model(declaration, lowering).is_none_or(|model| !model.looks())
+    kind(declaration, lowering).sight == Sight::ThroughWalls
+        && sensor_model(declaration, lowering).is_none_or(|model| !model.looks())
 }
 
 /// A driver with the delay of its arguments and behind sensors.
@@ -141,7 +137,11 @@ fn changed(signature: &Signature, block: &Block, prefix: &str, sources: &Sources
     own.chain(inside).collect()
 }
 
-fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
+fn kind<'a>(declaration: &Declaration, lowering: &Lowering<'a>) -> &'a PolicyKind {
     let found = lowering.catalog.policies.iter().find(|kind| kind.signature.name == declaration.kind);
-    (found.expect("checked: the kind is in the catalogue").lower)(declaration, lowering)
+    found.expect("checked: the kind is in the catalogue")
+}
+
+fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
+    (kind(declaration, lowering).lower)(declaration, lowering)
 }

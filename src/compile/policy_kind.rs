@@ -7,11 +7,24 @@ use lang::hir::Declaration;
 use world::av::DrivingPolicy;
 use world::env::PolicyMaker;
 
+/// What a kind of driver knows of other actors, unless its sensors say otherwise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sight {
+    /// Nothing: sensors have no effect.
+    Blind,
+    /// Where those are that nothing hides.
+    Clear,
+    /// Where all are, also behind obstacles.
+    ThroughWalls,
+}
+
 /// A kind of driver: the keys that it takes, and how one is made.
 #[derive(Clone)]
 pub struct PolicyKind {
     /// Its name, its keys and its documentation.
     pub signature: Signature,
+    /// What its drivers know of other actors.
+    pub sight: Sight,
     /// Builds a maker; `None` after reporting what is wrong.
     pub(super) lower: Lower,
 }
@@ -39,7 +52,13 @@ impl PolicyKind {
     pub(super) fn outside<K: Keys>(
         lower: impl Fn(&Declaration, &mut Lowering<'_>) -> Option<FromArguments> + Send + Sync + 'static,
     ) -> Self {
-        Self { signature: K::signature(), lower: Arc::new(lower) }
+        Self { signature: K::signature(), sight: Sight::Clear, lower: Arc::new(lower) }
+    }
+
+    /// The same, with drivers that know this of other actors; without it, where those are that nothing hides.
+    #[must_use]
+    pub fn with_sight(self, sight: Sight) -> Self {
+        Self { sight, ..self }
     }
 }
 

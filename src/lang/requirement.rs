@@ -2,38 +2,41 @@
 
 use std::sync::Arc;
 
-use super::ast::{Expression, ExpressionKind, Known, Name, Operator};
+use super::ast::{Expression, ExpressionKind, Known, Operator};
 use super::diagnostics;
 use super::formula::{ROBUST, Scope, Sort, formula, functions, is_function};
 use super::value::{Context, describe, quantity};
+use base::choice;
 use base::diagnostic::Diagnostic;
 use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, VariableId, Within};
 use base::units::Dimension;
 
-/// The operators of requirements, in calls, and what they mean.
-pub fn temporal_operators() -> impl Iterator<Item = (&'static str, &'static str)> {
-    OPERATORS.iter().copied()
+choice! {
+    /// An operator of requirements, in a call.
+    #[derive(Clone, Copy)]
+    enum Word {
+        Always = "always",
+        Eventually = "eventually",
+        Until = "until",
+        Scaled = "scaled",
+    }
 }
 
-const OPERATORS: &[(&str, &str)] = &[
-    ("always", "always(a), always(a, [0 s, 2 s]): a is true at all samples from now to the end, or within the bound."),
-    (
-        "eventually",
-        "eventually(a), eventually(a, [0 s, 2 s]): a is true at one sample from now to the end, or within the bound.",
-    ),
-    (
-        "until",
-        "until(a, b), until(a, b, [0 s, 2 s]): b is true at one sample from now on, or within the bound, and a at all samples before that one.",
-    ),
-    (
-        "scaled",
-        "scaled(a < b, 0.5 m): the comparison, of which 0.5 m count as 1 where a requirement compares quantities of different dimensions.",
-    ),
+const MEANINGS: [&str; Word::ALL.len()] = [
+    "always(a), always(a, [0 s, 2 s]): a is true at all samples from now to the end, or within the bound.",
+    "eventually(a), eventually(a, [0 s, 2 s]): a is true at one sample from now to the end, or within the bound.",
+    "until(a, b), until(a, b, [0 s, 2 s]): b is true at one sample from now on, or within the bound, and a at all samples before that one.",
+    "scaled(a < b, 0.5 m): the comparison, of which 0.5 m count as 1 where a requirement compares quantities of different dimensions.",
 ];
+
+/// The operators of requirements, in calls, and what they mean.
+pub fn temporal_operators() -> impl Iterator<Item = (&'static str, &'static str)> {
+    Word::ALL.map(Word::name).into_iter().zip(MEANINGS)
+}
 
 /// Whether requirements have an operator of this name.
 pub(super) fn is_temporal(name: &str) -> bool {
-    OPERATORS.iter().any(|(known, _)| *known == name)
+    Word::named(name).is_some()
 }
 
 /// Checks an expression as a requirement; `None` after an error has been reported.
@@ -85,7 +88,7 @@ impl Checker<'_> {
                 })
             }
             ExpressionKind::Call { function, arguments, .. } if is_temporal(&function.text) => {
-                self.operator(function, arguments, expression)
+                self.operator(Word::named(&function.text)?, arguments, expression)
             }
             ExpressionKind::Call { function, .. }
                 if !is_function(&function.text)
@@ -98,33 +101,42 @@ impl Checker<'_> {
         }
     }
 
-    fn operator(&mut self, name: &Name, arguments: &[Expression], whole: &Expression) -> Option<Temporal> {
-        let operands = if name.text == "until" { 2 } else { 1 };
-        if name.text == "scaled" {
-            let [comparison, scale] = arguments else {
-                let expected = "a comparison and the quantity that counts as 1";
-                return self.say(diagnostics::wrong_arity(whole.span, "scaled", expected, arguments.len()));
-            };
-            return self.part(comparison, Some(scale));
+    fn operator(&mut self, word: Word, arguments: &[Expression], whole: &Expression) -> Option<Temporal> {
+        let (one, two) = ("a condition", "two conditions");
+        match word {
+            Word::Always => self.operands(word, one, arguments, whole).map(|(within, [a])| Temporal::Always(within, a)),
+            Word::Eventually => {
+                self.operands(word, one, arguments, whole).map(|(within, [a])| Temporal::Eventually(within, a))
+            }
+            Word::Until => {
+                self.operands(word, two, arguments, whole).map(|(within, [a, b])| Temporal::Until(within, a, b))
+            }
+            Word::Scaled => {
+                let [comparison, scale] = arguments else {
+                    let expected = "a comparison and the quantity that counts as 1";
+                    return self.say(diagnostics::wrong_arity(whole.span, "scaled", expected, arguments.len()));
+                };
+                self.part(comparison, Some(scale))
+            }
         }
+    }
+
+    /// The operands of an operator, and its bound.
+    fn operands<const N: usize>(
+        &mut self,
+        word: Word,
+        expected: &str,
+        arguments: &[Expression],
+        whole: &Expression,
+    ) -> Option<(Within, [Arc<Temporal>; N])> {
         self.is_temporal = true;
-        if !(operands..=operands + 1).contains(&arguments.len()) {
-            let expected = match operands {
-                1 => "a condition, and perhaps a bound such as `[0 s, 2 s]`",
-                _ => "two conditions, and perhaps a bound such as `[0 s, 2 s]`",
-            };
-            return self.say(diagnostics::wrong_arity(whole.span, &name.text, expected, arguments.len()));
+        if !(N..=N + 1).contains(&arguments.len()) {
+            let expected = format!("{expected}, and perhaps a bound such as `[0 s, 2 s]`");
+            return self.say(diagnostics::wrong_arity(whole.span, word.name(), &expected, arguments.len()));
         }
-        let inner: Vec<Option<Temporal>> = arguments[..operands].iter().map(|each| self.visit(each)).collect();
-        let within = arguments.get(operands).map_or(Some(Within::EPISODE), |bound| self.bound(bound));
-        let mut inner = inner.into_iter().collect::<Option<Vec<_>>>()?.into_iter().map(Arc::new);
-        let within = within?;
-        let mut next = || inner.next().expect("checked: the operator has its operands");
-        Some(match name.text.as_str() {
-            "always" => Temporal::Always(within, next()),
-            "eventually" => Temporal::Eventually(within, next()),
-            _ => Temporal::Until(within, next(), next()),
-        })
+        let inner: Vec<_> = arguments[..N].iter().map(|each| self.visit(each).map(Arc::new)).collect();
+        let within = arguments.get(N).map_or(Some(Within::EPISODE), |bound| self.bound(bound));
+        Some((within?, inner.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()?))
     }
 
     /// `[0 s, 2 s]`

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use base::seed::{Seed, Stream};
 use compile::{Catalog, ControllerKind, Plan, compile};
 use lang::Reader;
+use needs::needs;
 use process::ProcessOpener;
 use world::av::{Actor, DrivingMode, DrivingPolicy, Perception, Weakness};
 use world::cause::{Incident, Questions, Reruns, RunLimit, StartRule, TurnedBy, around, explain};
@@ -448,16 +449,18 @@ fn program(words: &str) -> String {
     format!("external(command: \"{words}\", timeout: 60 s, worlds: 1, route_points: 40)")
 }
 
+#[needs(python)]
 #[test]
 fn planted_defects_of_a_program_are_named() {
     let driver = crate::repository().join("tests/external/braking.py");
     assert_named(&[&program(&format!("python3 {}", driver.display()))], &few(), few_starts(60), 0.5);
 }
 
-/// Runs only if `FALSIFY_SUMO_PYTHON` is a Python with `falsify_av` and SUMO.
+/// `FALSIFY_SUMO_PYTHON` is a Python with `falsify_av` and SUMO.
+#[needs(variable = "FALSIFY_SUMO_PYTHON")]
 #[test]
 fn planted_defects_of_sumo_are_named() {
-    let Ok(python) = std::env::var("FALSIFY_SUMO_PYTHON") else { return };
+    let python = std::env::var("FALSIFY_SUMO_PYTHON").unwrap();
     assert_named(&[&program(&format!("{python} -m falsify_av.stacks sumo EIDM"))], &few(), few_starts(60), 0.3);
 }
 

@@ -1,7 +1,8 @@
-//! What mistakes look like on the screen: short scenarios with all messages about them, compared with `tests/suite/messages.snap`.
+//! What mistakes look like on the screen: short scenarios with all messages about them, each compared with a file of `tests/suite/messages`.
 //!
-//! `INSTA_UPDATE=always` writes the file again; then read the difference.
+//! `INSTA_UPDATE=always` writes the files again; then read the difference.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use base::diagnostic::{Colour, Sources, render};
@@ -79,20 +80,22 @@ fn an_import_is_offered_where_it_can_stand() {
 
 #[test]
 fn messages_look_as_they_did() {
-    let mut page = String::new();
-    let mut shown = 0;
     let short =
         |text: &str| !text.starts_with("falsify ") && !text.contains('…') && text.lines().all(|line| line.len() < 120);
     let all = mistakes();
     let coded = all.iter().filter(|mistake| short(mistake.bad)).map(|mistake| (mistake.code, mistake.bad));
-    for (name, text) in OTHERS.iter().copied().chain(coded) {
-        page.push_str(&format!("# {name}\n\n{}\n\n", drawn(text)));
-        shown += 1;
-    }
-    assert!(shown > 50, "{shown}");
     let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("../suite");
+    settings.set_snapshot_path("../suite/messages");
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.bind(|| insta::assert_snapshot!("messages", page));
+    let mut shown = BTreeSet::new();
+    for (name, text) in OTHERS.iter().copied().chain(coded) {
+        let name = name.replace(' ', "_");
+        settings.bind(|| insta::assert_snapshot!(name.as_str(), drawn(text)));
+        assert!(shown.insert(name.clone()), "{name} is shown twice");
+    }
+    assert!(shown.len() > 50, "{}", shown.len());
+    let files = std::fs::read_dir(crate::repository().join("tests/suite/messages")).unwrap();
+    let files = files.map(|file| file.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned());
+    assert_eq!(files.collect::<BTreeSet<_>>(), shown, "each file is compared");
 }

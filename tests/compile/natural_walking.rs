@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Catalog, compile};
+use needs::needs;
 use world::env::{Outcome, Scenario, Trace};
 use world::falsifier::{Gaps, Natural, NaturalKeys, RecordedWalking, Recording, evaluate_observed};
 use world::geometry::{Vector, wrap_angle};
 
 use crate::reference;
-use crate::samples::samples;
 
 /// Pedestrians before a car that drives past at 10 m/s, with a body that reaches every command at once.
 fn scenario(spawn: &str) -> Arc<Scenario> {
@@ -70,13 +70,11 @@ fn deviation(sizes: &[f64]) -> f64 {
 
 /// The sampler repeats the recorded figures that are in `natural_walking.csv`. A value may differ by a tenth, the
 /// 5th percentile of speeds by 15 %, a 99th percentile by a fifth and a 99.9th by a quarter.
+#[needs(reference = "next/natural_walking.csv")]
 #[test]
 fn a_natural_pedestrian_has_the_figures_of_recorded_ones_as_in_the_reference() {
     let path = reference::folder().join("reference/next/natural_walking.csv");
-    let Some(text) = crate::gzip::read_text(&path) else {
-        loud!("SKIPPED: no {}", path.display());
-        return;
-    };
+    let text = crate::gzip::read_text(&path).unwrap();
     let lines: Vec<Vec<&str>> =
         text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect();
     let recorded = |dataset: &str, column: &str| -> Option<f64> {
@@ -138,12 +136,8 @@ fn pedestrians_that_heed_the_car_wait_for_a_gap() {
 /// Pedestrians 3 to 5 m beside the middle of the car's way set off at once, or wait. The share that sets off, by the time until the car is there, grows, and
 /// those of the capacity manual set off earlier than recorded ones. reports/natural_walking.md has the figures that this prints.
 #[test]
+#[ignore = "a large sample, which `.ci/run` takes"]
 fn pedestrians_accept_the_gaps_that_they_say() {
-    let count = samples(0, 6_000) as u32;
-    if count == 0 {
-        loud!("skipped: it is a large sample");
-        return;
-    }
     let accepted = |gaps: Gaps| -> Vec<(f64, usize, usize)> {
         let walker = Natural::from_keys(NaturalKeys {
             changes: Recording::Dut,
@@ -158,7 +152,7 @@ fn pedestrians_accept_the_gaps_that_they_say() {
             let sets_off = track.iter().take_while(|state| state.speed() < 0.05).count() <= 1;
             (place.x / 10.0, place.y.abs(), sets_off)
         };
-        let all = episodes(walker, "bearing: 1.5 deg .. 12 deg distance: 20 m .. 200 m", count, first);
+        let all = episodes(walker, "bearing: 1.5 deg .. 12 deg distance: 20 m .. 200 m", 6_000, first);
         let within = |second: f64| {
             let some =
                 all.iter().filter(|(gap, aside, _)| (second..second + 1.0).contains(gap) && (3.0..5.0).contains(aside));

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use base::seed::{Seed, Stream};
 use compile::{Catalog, Plan, compile};
+use needs::needs;
 use world::av::{DrivingMode, DrivingPolicy, Perception};
 use world::env::{Ending, Outcome, Scenario, TargetSide, TestCriterion, Trace};
 use world::falsifier::{Scripted, evaluate_observed};
@@ -348,15 +349,12 @@ fn a_body_that_cannot_walk_the_test_is_refused() {
     }
 }
 
-/// A table of the reference folder; none after reporting that it is not there.
-fn table(name: &str) -> Option<Vec<Vec<String>>> {
+/// A table of the reference folder.
+fn table(name: &str) -> Vec<Vec<String>> {
     let path = reference::folder().join("reference/next").join(name);
-    let Some(text) = crate::gzip::read_text(&path) else {
-        loud!("SKIPPED: no {}", path.display());
-        return None;
-    };
+    let text = crate::gzip::read_text(&path).unwrap();
     let rows = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()).skip(1);
-    Some(rows.map(|line| line.split(',').map(str::to_owned).collect()).collect())
+    rows.map(|line| line.split(',').map(str::to_owned).collect()).collect()
 }
 
 /// `50`, `10..60 step 5`, `10 25 75 90`.
@@ -385,9 +383,10 @@ fn assert_has(test: &str, speeds: &[f64], overlaps: &[f64]) {
 
 /// Every row of the published variations of Euro NCAP's pedestrian tests is a test of the library. Left out are turning and reversing tests,
 /// and CPLA by a warning to a driver.
+#[needs(reference = "next/ncap_pedestrian_variations.csv")]
 #[test]
 fn every_variation_of_euro_ncap_is_a_test_as_in_the_reference() {
-    let Some(rows) = table("ncap_pedestrian_variations.csv") else { return };
+    let rows = table("ncap_pedestrian_variations.csv");
     let mut known = 0;
     for row in &rows {
         let [protocol, variation, _, name, speeds, overlaps, walking, _, distance, reach, ..] = row.as_slice() else {
@@ -424,9 +423,10 @@ fn every_variation_of_euro_ncap_is_a_test_as_in_the_reference() {
 }
 
 /// Every row of table 2 of FMVSS 127 is a test of the library over its whole range of speeds.
+#[needs(reference = "next/fmvss127_pedestrian.csv")]
 #[test]
 fn every_row_of_fmvss_127_is_a_test_as_in_the_reference() {
-    let Some(rows) = table("fmvss127_pedestrian.csv") else { return };
+    let rows = table("fmvss127_pedestrian.csv");
     assert_eq!(rows.len(), 6);
     for row in &rows {
         let [id, _, _, dummy, from, overlap, obstructed, low, high, walking, distance, reach, ..] = row.as_slice()
@@ -461,9 +461,10 @@ fn every_row_of_fmvss_127_is_a_test_as_in_the_reference() {
 }
 
 /// Every row of UN R152 is a cell of the test, with its limit in running order.
+#[needs(reference = "next/un_r152_pedestrian.csv")]
 #[test]
 fn every_row_of_un_r152_is_a_cell_as_in_the_reference() {
-    let Some(rows) = table("un_r152_pedestrian.csv") else { return };
+    let rows = table("un_r152_pedestrian.csv");
     assert_eq!(rows.len(), 21);
     for row in &rows {
         let [_, speed, _, limit] = row.as_slice() else { panic!("{row:?}") };

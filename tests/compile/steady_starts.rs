@@ -8,6 +8,7 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use learn::Env;
+use needs::needs;
 use process::ProcessOpener;
 use world::env::{Draw, Outcome, Scenario, Simulation};
 use world::falsifier::{BudgetedSimulation, Intercept, PedestrianEnv, Random, WalkPolicy, evaluate, play};
@@ -205,12 +206,9 @@ fn a_search_pays_for_run_ups_and_never_exceeds_its_budget() {
     );
 }
 
+#[needs(python)]
 #[test]
 fn a_driver_from_outside_comes_along_the_given_route_alone_or_in_company() {
-    if !std::process::Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success()) {
-        loud!("skipped: there is no python3");
-        return;
-    }
     let [company, alone] = ["outside", "outside_alone"]
         .map(|driver| outcomes(&scenario("harbour", "", driver), &mut Random::default(), 8));
     assert_eq!(company, alone);

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Compiled, Evaluation, compile};
+use needs::needs;
 use process::ProcessOpener;
 use world::av::{Exit, Fault};
 use world::env::{Ending, Outcome, Trace};
@@ -17,15 +17,6 @@ use world::road::Town;
 use super::repository;
 
 const EPISODES: u32 = 12;
-
-/// Whether a Python runs the worlds of these tests.
-fn has_python() -> bool {
-    let found = Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success());
-    if !found {
-        loud!("skipped: there is no python3");
-    }
-    found
-}
 
 fn text(fault: &str, settings: &str, policies: &str, worlds: &str) -> String {
     format!(
@@ -62,11 +53,9 @@ fn episodes(evaluation: &Evaluation, count: u32) -> Vec<(Outcome, Trace)> {
     evaluate_observed(&mut Intercept, &evaluation.scenario, 0..count, &seed, &seed.child("walker"), note, go_on)
 }
 
+#[needs(python)]
 #[test]
 fn a_world_of_our_kinematics_has_our_episodes() {
-    if !has_python() {
-        return;
-    }
     let both = evaluations(&text("none", "timeout: 60 s", "idm", "here, other"));
     let names: Vec<&str> = both.iter().map(|evaluation| &*evaluation.world).collect();
     assert_eq!(names, ["here", "other"]);
@@ -90,11 +79,9 @@ fn a_world_of_our_kinematics_has_our_episodes() {
     }
 }
 
+#[needs(python)]
 #[test]
 fn a_driver_of_another_world_drives_there_from_the_same_start() {
-    if !has_python() {
-        return;
-    }
     let native = evaluations(&text("none", "timeout: 60 s", "theirs", "other"));
     for (outcome, trace) in episodes(&native[0], 4) {
         assert_eq!(outcome.fault(), None);
@@ -107,11 +94,9 @@ fn a_driver_of_another_world_drives_there_from_the_same_start() {
 
 const NOT_FINITE: &str = "JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)";
 
+#[needs(python)]
 #[test]
 fn each_fault_of_a_world_is_an_error_of_its_own() {
-    if !has_python() {
-        return;
-    }
     let answer = Fault::Answer;
     for (fault, found) in [
         ("hang", Fault::Late { limit_ms: 2000 }),
@@ -141,11 +126,9 @@ fn each_fault_of_a_world_is_an_error_of_its_own() {
     }
 }
 
+#[needs(python)]
 #[test]
 fn a_car_that_does_not_move_by_its_speed_its_heading_and_its_control_is_an_error_of_each_episode() {
-    if !has_python() {
-        return;
-    }
     // Some show only where the car turns.
     let late = ["degrees", "stuck_yaw"];
     let early = ["kmh", "half_tick", "double_tick", "fast", "off", "lasting", "jumps", "tenth", "weak_brake"];
@@ -161,11 +144,9 @@ fn a_car_that_does_not_move_by_its_speed_its_heading_and_its_control_is_an_error
     }
 }
 
+#[needs(python)]
 #[test]
 fn a_brake_that_is_mildly_wrong_or_late_is_an_error_of_each_episode_of_a_short_run() {
-    if !has_python() {
-        return;
-    }
     for (fault, driver) in
         [("mild_brake", "idm"), ("mild_brake", "blind"), ("late_control", "idm"), ("late_pedals", "idm")]
     {
@@ -175,11 +156,9 @@ fn a_brake_that_is_mildly_wrong_or_late_is_an_error_of_each_episode_of_a_short_r
     }
 }
 
+#[needs(python)]
 #[test]
 fn a_world_may_say_how_late_its_pedals_are() {
-    if !has_python() {
-        return;
-    }
     let declared = text("declared", "timeout: 60 s", "idm", "other");
     // A tenth of a second needs no word.
     for text in [&declared, &text("soon", "timeout: 60 s", "idm", "other")] {
@@ -195,11 +174,9 @@ fn a_world_may_say_how_late_its_pedals_are() {
     assert!(said.contains("a `pedal_delay` that is not between 0 and 0.5"), "{said}");
 }
 
+#[needs(python)]
 #[test]
 fn a_world_has_a_name_of_one_line_that_is_not_ours_and_drivers_that_differ() {
-    if !has_python() {
-        return;
-    }
     for (fault, message) in [
         ("here", "a `name` that is empty, longer than 60 bytes, of several lines, or `here`, our own simulator"),
         ("nameless", "a `name` that is empty"),
@@ -213,31 +190,25 @@ fn a_world_has_a_name_of_one_line_that_is_not_ours_and_drivers_that_differ() {
     }
 }
 
+#[needs(python)]
 #[test]
 fn a_bridge_of_the_python_package_has_a_short_name() {
-    if !has_python() {
-        return;
-    }
     // It refuses this option; without the package Python ends.
     let named = text("", "", "idm", "other").replace("python3 world.py ", "esmini library=");
     let said = format!("{:?}", compiled(&named).diagnostics);
     assert!(said.contains("cannot use the command `esmini library=`: it ended before it answered"), "{said}");
 }
 
+#[needs(python)]
 #[test]
 fn a_world_may_say_how_exactly_it_places_pedestrians() {
-    if !has_python() {
-        return;
-    }
     let tolerant = evaluations(&text("tolerant", "timeout: 60 s", "idm", "other"));
     assert!(episodes(&tolerant[0], 2).iter().all(|(outcome, _)| outcome.fault().is_none()));
 }
 
+#[needs(python)]
 #[test]
 fn what_a_world_cannot_do_is_said_before_a_run() {
-    if !has_python() {
-        return;
-    }
     let said =
         |text: &str| -> Vec<String> { compiled(text).diagnostics.iter().map(|each| each.message.clone()).collect() };
     let has = |text: &str, message: &str| {

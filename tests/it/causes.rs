@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use needs::needs;
 use serde_json::Value;
 
 use crate::program::{error, falsify};
@@ -33,6 +34,7 @@ fn run(here: &Path) {
     assert!(output.status.success(), "{output:?}");
 }
 
+#[needs(python)]
 #[test]
 fn the_cause_of_a_program_stands_in_its_dossier_and_below_a_gate_that_fails() {
     let folder = tempfile::tempdir().unwrap();

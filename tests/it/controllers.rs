@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Arc;
 
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, Compiled, ControllerKind, compile};
 use learn::ActorCritic;
+use needs::needs;
 use process::ProcessOpener;
 use world::av::{Exit, Fault, Word};
 use world::env::{Ending, Outcome, Scenario};
@@ -18,15 +18,6 @@ use crate::beside_files::With;
 use crate::program::{error, falsify, said};
 
 const EPISODES: u32 = 12;
-
-/// Whether there is a Python that runs the pedestrians of these tests.
-fn has_python() -> bool {
-    let found = Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success());
-    if !found {
-        loud!("skipped: there is no python3");
-    }
-    found
-}
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
@@ -84,22 +75,18 @@ fn not_json(text: &[u8]) -> Fault {
     Fault::NotJson { greeting: false, text: Word::new(text) }
 }
 
+#[needs(python)]
 #[test]
 fn a_program_walks_as_the_controller_that_it_repeats() {
-    if !has_python() {
-        return;
-    }
     let campaign = campaign(&program("homing", "timeout: 60 s"), DRIVER);
     let outcomes_of = own(&campaign);
     assert!(outcomes_of.iter().any(Outcome::is_collision), "{outcomes_of:?}");
     assert_eq!(outcomes_of, outcomes(&campaign.nth::<compile::Evaluation>(0).scenario, &mut Homing));
 }
 
+#[needs(python)]
 #[test]
 fn a_fault_marks_its_own_episode_and_no_other() {
-    if !has_python() {
-        return;
-    }
     let external = |worlds: u32| {
         format!("external(command: \"python3 ../../scenarios/external/my_av.py\", worlds: {worlds}, timeout: 60 s)")
     };
@@ -123,11 +110,9 @@ fn a_fault_marks_its_own_episode_and_no_other() {
     assert_eq!(own(&campaign(&program("crash", "timeout: 60 s"), &external(5))), alone);
 }
 
+#[needs(python)]
 #[test]
 fn a_program_that_never_walks_is_given_up_after_ten_episodes() {
-    if !has_python() {
-        return;
-    }
     for (mode, fault) in [
         ("version", Fault::Greeting("another protocol than falsify-pedestrian/1")),
         ("gone", Fault::Ended(Exit::Code(0))),
@@ -207,11 +192,9 @@ fn what_cannot_walk_is_an_error_with_the_remedy() {
     assert!(taken.contains("`random` is the name of a built-in `pedestrian`"), "{taken}");
 }
 
+#[needs(python)]
 #[test]
 fn reports_replays_and_gates_treat_a_program_as_any_controller() {
-    if !has_python() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let command = format!(
         "external(command: \"python3 {} homing\", timeout: 60 s)",

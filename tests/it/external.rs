@@ -9,6 +9,7 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use base::signature::Keys;
 use compile::{Catalog, Plan, compile};
+use needs::needs;
 use process::ProcessOpener;
 use world::av::{BrakeKeys, DrivingMode, Exit, Fault, Word};
 use world::env::{Ending, Outcome, Scenario};
@@ -17,15 +18,6 @@ use world::falsifier::{Intercept, Random, TrainError, TrainingRun, evaluate};
 use crate::program::falsify;
 
 const EPISODES: u32 = 12;
-
-/// The Python that runs the drivers of these tests, if one exists.
-fn python() -> Option<&'static str> {
-    let found = Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success());
-    if !found {
-        loud!("skipped: there is no python3");
-    }
-    found.then_some("python3")
-}
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
@@ -75,11 +67,9 @@ fn not_json(text: &[u8]) -> Fault {
     Fault::NotJson { greeting: false, text: Word::new(text) }
 }
 
+#[needs(python)]
 #[test]
 fn encodings_company_and_the_size_of_writes_change_no_outcome() {
-    if python().is_none() {
-        return;
-    }
     let alone = outcomes("good", "worlds: 1, timeout: 60 s");
     assert_eq!(alone.len(), EPISODES as usize);
     assert!(alone.iter().all(|outcome| outcome.fault().is_none()), "{alone:?}");
@@ -103,11 +93,9 @@ fn the_emergency_brake_of_a_program_is_that_of_the_kind() {
     assert_eq!(BrakeKeys::read(settings("aeb")), BrakeKeys::default());
 }
 
+#[needs(python)]
 #[test]
 fn an_emergency_brake_in_front_of_a_program_spares_people_and_moves_nothing_else() {
-    if python().is_none() {
-        return;
-    }
     let hits = |outcomes: &[Outcome]| {
         outcomes.iter().filter(|outcome| matches!(outcome.ending, Ending::Touch { moving: true, .. })).count()
     };
@@ -132,11 +120,9 @@ fn wrong_type(key: &'static str, found: &'static str) -> Fault {
     Fault::WrongType { greeting: false, key, found, wanted: "a number" }
 }
 
+#[needs(python)]
 #[test]
 fn a_fault_marks_its_own_episode_and_no_other() {
-    if python().is_none() {
-        return;
-    }
     let good = outcomes("good", "worlds: 1, timeout: 60 s");
     let cases = [
         ("crash", "timeout: 60 s", Fault::Ended(Exit::Code(3))),
@@ -162,11 +148,9 @@ fn a_fault_marks_its_own_episode_and_no_other() {
     }
 }
 
+#[needs(python)]
 #[test]
 fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
-    if python().is_none() {
-        return;
-    }
     let cases = [
         ("version", Fault::Greeting("another protocol than falsify-av/1")),
         ("gone", Fault::Ended(Exit::Code(0))),
@@ -193,11 +177,9 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
     assert_eq!(tried.iter().map(Outcome::fault).collect::<Vec<_>>(), [Some(Fault::NotStarted); 10]);
 }
 
+#[needs(python)]
 #[test]
 fn a_training_survives_some_faults_and_ends_with_the_cause_of_too_many() {
-    if python().is_none() {
-        return;
-    }
     let training = |mode: &str| {
         let plan = plan(&format!("python3 driver.py {mode}"), "timeout: 60 s");
         let mut config = plan.campaigns[0].nth::<compile::Training>(0).config.clone();
@@ -214,6 +196,7 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
+#[needs(python)]
 #[test]
 fn nothing_is_started_unless_the_user_allows_it() {
     let place = tempfile::tempdir().unwrap();
@@ -230,17 +213,13 @@ fn nothing_is_started_unless_the_user_allows_it() {
         falsify(arguments, place.path());
     }
     assert!(!mark.exists(), "checking and drawing start nothing");
-    if python().is_some() {
-        let output = falsify(&["run", "--smoke", "--allow-external", "evil.scn"], place.path());
-        assert!(output.status.success() && mark.exists(), "{}", said(&output));
-    }
+    let output = falsify(&["run", "--smoke", "--allow-external", "evil.scn"], place.path());
+    assert!(output.status.success() && mark.exists(), "{}", said(&output));
 }
 
+#[needs(python)]
 #[test]
 fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_and_two() {
-    if python().is_none() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let command = format!("python3 {} crash", folder("tests/external/driver.py").display());
     std::fs::write(place.path().join("crash.scn"), text(&command, "timeout: 60 s")).unwrap();
@@ -268,11 +247,9 @@ fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_
     assert!(summary.contains(&format!("In {errors} more episodes the driver or the pedestrian failed")), "{summary}");
 }
 
+#[needs(python)]
 #[test]
 fn a_driver_that_ends_only_while_several_episodes_run_is_named() {
-    if python().is_none() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let command = format!("python3 {} crowded", folder("tests/external/driver.py").display());
     std::fs::write(place.path().join("crowded.scn"), text(&command, "timeout: 60 s")).unwrap();
@@ -285,11 +262,9 @@ fn a_driver_that_ends_only_while_several_episodes_run_is_named() {
     );
 }
 
+#[needs(python)]
 #[test]
 fn av_check_tells_good_drivers_from_bad_ones() {
-    if python().is_none() {
-        return;
-    }
     let check = |arguments: &[&str]| {
         let command = [&["check", "--timeout", "60", "--show", "--", "python3"], arguments].concat();
         let output = falsify(&command, &folder("tests/external"));
@@ -323,11 +298,9 @@ fn av_check_tells_good_drivers_from_bad_ones() {
     }
 }
 
+#[needs(python)]
 #[test]
 fn a_late_answer_in_a_later_pass_is_a_late_answer() {
-    if python().is_none() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let driver = folder("tests/external/driver.py");
     let words = ["check", "--timeout", "5", "--", "python3", driver.to_str().unwrap(), "late", "starts"];
@@ -337,26 +310,22 @@ fn a_late_answer_in_a_later_pass_is_a_late_answer() {
     assert!(failed.contains("when the same seeds come again: in episode ") && failed.contains(late), "{text}");
 }
 
+#[needs(python)]
 #[test]
 fn messages_of_a_driver_command_no_terminal_and_have_an_end() {
-    if python().is_none() {
-        return;
-    }
     let text =
         said(&falsify(&["check", "--timeout", "60", "--", "python3", "driver.py", "loud"], &folder("tests/external")));
     assert!(text.contains("title \\u{1b}]0;mine\\u{7}") && !text.contains("\u{1b}]"), "{}", &text[..200]);
     assert!(text.len() < 3 << 19 && text.contains("further messages of programs are left out"), "{}", text.len());
 }
 
+#[needs(program = "c++")]
 #[test]
 fn the_driver_in_cpp_compiles_and_conforms() {
     let place = tempfile::tempdir().unwrap();
     let source = folder("scenarios/external/my_av.cpp");
-    let compiler = Command::new("c++").args(["-O2", "-o", "my_av"]).arg(source).current_dir(place.path()).output();
-    let Ok(compiler) = compiler else {
-        loud!("skipped: there is no C++ compiler");
-        return;
-    };
+    let compiler =
+        Command::new("c++").args(["-O2", "-o", "my_av"]).arg(source).current_dir(place.path()).output().unwrap();
     assert!(compiler.status.success(), "{}", said(&compiler));
     let output = falsify(&["check", "--timeout", "60", "--", "./my_av"], place.path());
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
@@ -390,11 +359,9 @@ with open("signs.txt", "w") as signs:
         print(json.dumps({"actions": actions}), flush=True)
 "#;
 
+#[needs(python)]
 #[test]
 fn stop_and_yield_signs_on_the_way_are_in_the_messages() {
-    if python().is_none() {
-        return;
-    }
     for (kind, named) in [(206, "stop"), (205, "yield")] {
         let place = tempfile::tempdir().unwrap();
         let here = place.path();

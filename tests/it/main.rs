@@ -1,7 +1,7 @@
 //! The tests that start the program or use all packages. The tests of a package are in a folder of its name beside this one.
 //!
 //! Tests whose names contain `reference` compare with recordings of independent programs. The environment variable
-//! `FALSIFY_REFERENCE_DIR` names their folder (default `../shared`). Without recordings a test passes and reports that it was skipped.
+//! `FALSIFY_REFERENCE_DIR` names their folder (default `../shared`). Without recordings a test is ignored, as `needs::needs` says.
 
 #[macro_use]
 #[path = "../common/loud.rs"]
@@ -61,6 +61,7 @@ mod settings;
 mod shards;
 mod smoke;
 mod stale;
+mod structure;
 mod tables_elsewhere;
 mod together;
 mod tools;

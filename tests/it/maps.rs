@@ -4,9 +4,10 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 
 use falsify::session::{Input, Session};
+use needs::needs;
 use serde_json::{Value, json};
 
-use crate::page::{Tab, balanced, browser, fits};
+use crate::page::{Tab, balanced, fits};
 use crate::program::command;
 
 const SCENARIO: &str = "edition 1
@@ -99,12 +100,9 @@ fn becomes(tab: &mut Tab, expression: &str) {
     panic!("never true: {expression}");
 }
 
+#[needs(browser)]
 #[test]
 fn a_page_follows_its_file_and_gives_places_that_a_scenario_takes() {
-    let Some(browser) = browser() else {
-        loud!("SKIPPED: there is no Chromium or Chrome to open a preview in; set FALSIFY_BROWSER");
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("my.scn");
     std::fs::write(&file, SCENARIO).unwrap();
@@ -122,7 +120,7 @@ fn a_page_follows_its_file_and_gives_places_that_a_scenario_takes() {
         std::thread::sleep(std::time::Duration::from_millis(100));
     }
     let profile = tempfile::tempdir().unwrap();
-    let mut tab = Tab::open(&browser, profile.path());
+    let mut tab = Tab::open(profile.path());
     tab.ask("Page.enable", json!({}));
     let page = folder.path().join("my.preview.html");
     tab.ask("Page.navigate", json!({ "url": format!("file://{}", page.display()) }));

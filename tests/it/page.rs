@@ -1,13 +1,14 @@
 //! The page of a report, read as a file and opened in a browser.
 //!
-//! `FALSIFY_BROWSER` names the browser; the default is an installed Chromium or Chrome with a known name. Without a browser the test
-//! passes and reports that it was skipped. The test controls the browser through a pipe and opens no port.
+//! `FALSIFY_BROWSER` names the browser; the default is an installed Chromium or Chrome with a known name. The tests control
+//! the browser through a pipe and open no port.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
+use needs::needs;
 use serde_json::{Value, json};
 
 use crate::program::command;
@@ -68,14 +69,19 @@ campaign speeds {
 }
 "#;
 
+/// Runs the campaign of a file and returns what it prints.
+fn run(scenario: &str, name: &str, out: &Path) -> String {
+    let file = out.join(name).with_extension("scn");
+    std::fs::write(&file, scenario).unwrap();
+    let run = command().arg("run").arg(&file).arg("--out").arg(out).output().unwrap();
+    assert!(run.status.success(), "{run:?}");
+    String::from_utf8_lossy(&run.stdout).into_owned()
+}
+
 #[test]
 fn a_matrix_has_an_overview_that_leads_to_its_reports() {
     let out = tempfile::tempdir().unwrap();
-    let file = out.path().join("speeds.scn");
-    std::fs::write(&file, MATRIX).unwrap();
-    let run = command().arg("run").arg(&file).arg("--out").arg(out.path()).output().unwrap();
-    assert!(run.status.success(), "{run:?}");
-    let said = String::from_utf8_lossy(&run.stdout);
+    let said = run(MATRIX, "speeds", out.path());
     assert!(said.trim_end().ends_with("overview.html"), "{said}");
     let html = std::fs::read_to_string(out.path().join("overview.html")).unwrap();
     closed(&html, out.path());
@@ -85,38 +91,37 @@ fn a_matrix_has_an_overview_that_leads_to_its_reports() {
     let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     assert_eq!(head.last(), Some(&"share"), "{head:?}");
     assert_eq!(table.lines().count(), 7);
-    let Some(browser) = browser() else {
-        loud!("SKIPPED: there is no Chromium or Chrome to open overview.html in; set FALSIFY_BROWSER");
-        return;
-    };
+}
+
+#[needs(browser)]
+#[test]
+fn an_overview_fits_windows() {
+    let out = tempfile::tempdir().unwrap();
+    run(MATRIX, "speeds", out.path());
     let profile = tempfile::tempdir().unwrap();
-    let mut tab = Tab::open(&browser, profile.path());
+    let mut tab = Tab::open(profile.path());
     tab.ask("Page.enable", json!({}));
     tab.ask("Page.navigate", json!({ "url": format!("file://{}", out.path().join("overview.html").display()) }));
     tab.wait("Page.loadEventFired");
     [1400, 1100, 390].into_iter().for_each(|width| fits(&mut tab, width));
 }
 
-/// Runs the campaign and returns the folder of its report.
-fn report(out: &Path) -> PathBuf {
-    let file = out.join("page.scn");
-    std::fs::write(&file, SCENARIO).unwrap();
-    let run = command().arg("run").arg(&file).arg("--out").arg(out).output().unwrap();
-    assert!(run.status.success(), "{run:?}");
-    out.join("page")
-}
-
 #[test]
-fn a_report_has_a_page_that_needs_nothing_else_and_moves() {
+fn a_report_has_a_page_that_needs_nothing_else() {
     let out = tempfile::tempdir().unwrap();
-    let folder = report(out.path());
+    run(SCENARIO, "page", out.path());
+    let folder = out.path().join("page");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
     stands_alone(&html, &folder);
     assert!(html.len() < 3_000_000, "{} bytes", html.len());
-    match browser() {
-        Some(browser) => opens(&browser, &folder.join("report.html")),
-        None => loud!("SKIPPED: there is no Chromium or Chrome to open report.html in; set FALSIFY_BROWSER"),
-    }
+}
+
+#[needs(browser)]
+#[test]
+fn the_page_of_a_report_moves() {
+    let out = tempfile::tempdir().unwrap();
+    run(SCENARIO, "page", out.path());
+    opens(&out.path().join("page/report.html"));
 }
 
 /// Checks that need no browser.
@@ -188,18 +193,18 @@ pub fn balanced(html: &str) {
     assert!(open.is_empty(), "never closed: {open:?}");
 }
 
-pub fn browser() -> Option<PathBuf> {
+fn browser() -> PathBuf {
     let named = std::env::var_os("FALSIFY_BROWSER").map(PathBuf::from);
     let path = std::env::var_os("PATH").unwrap_or_default();
     let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
     let known = std::env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name)));
-    named.into_iter().chain(known).find(|place| place.is_file())
+    named.into_iter().chain(known).find(|place| place.is_file()).expect("the test needs a browser")
 }
 
 /// The page in a browser: it logs nothing, requests nothing, and its players move.
-fn opens(browser: &Path, page: &Path) {
+fn opens(page: &Path) {
     let profile = tempfile::tempdir().unwrap();
-    let mut tab = Tab::open(browser, profile.path());
+    let mut tab = Tab::open(profile.path());
     for domain in ["Page", "Runtime", "Log", "Network"] {
         tab.ask(&format!("{domain}.enable"), json!({}));
     }
@@ -309,11 +314,11 @@ pub struct Tab {
 
 impl Tab {
     /// Starts the browser with an empty tab.
-    pub fn open(browser: &Path, profile: &Path) -> Self {
+    pub fn open(profile: &Path) -> Self {
         // The browser reads from file descriptor 3 and writes to file descriptor 4; the shell connects our pipes to them.
         let mut child = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1"])
-            .arg(browser)
+            .arg(browser())
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"])
             .arg("--remote-debugging-pipe")
             .arg(format!("--user-data-dir={}", profile.display()))

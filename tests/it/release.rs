@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use needs::needs;
 use serde_json::Value;
 
 use crate::program::said;
@@ -57,16 +58,14 @@ fn a_release_of_changed_files_is_refused_and_the_usage_is_shown() {
     assert!(workflow.contains("run: .ci/release build "), "the hosted workflow calls the script");
 }
 
+#[needs(program = "node")]
 #[test]
 fn the_extension_starts_the_language_server_and_reports_a_missing_program() {
-    let node = Command::new("node")
+    let output = Command::new("node")
         .arg(repository("tests/external/extension.js"))
         .arg(repository("grammar/vscode/extension.js"))
-        .output();
-    let Ok(output) = node else {
-        eprintln!("skipped: there is no node");
-        return;
-    };
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{output:?}");
     let text = said(&output);
     let (started, message) = text.split_once('\n').unwrap();

@@ -21,7 +21,7 @@ fn every_file_checks_without_a_word() {
         let mut check = command();
         // Other simulators would be asked, and need packages.
         let is_named = |name: &&str| text.contains(&format!("command: \"{name}"));
-        if text.contains("falsify_av.bridges") || world::env::BRIDGES.iter().any(is_named) {
+        if text.contains("falsify_av.bridges") || compile::BRIDGES.iter().any(is_named) {
             let output = check.args(["check", "--format", "json"]).arg(file).output().unwrap();
             let said = String::from_utf8_lossy(&output.stdout).into_owned();
             let mut others = said.lines().filter(|line| !line.contains("external-not-allowed"));

@@ -5,6 +5,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::program::{command, falsify};
+use needs::needs;
 
 const SCENARIO: &str = r#"edition 1
 import "std/drivers.scn"
@@ -37,18 +38,14 @@ fn write(here: &Path, command: &str, more: &str) {
     std::fs::write(here.join("d.scn"), SCENARIO.replace("COMMAND", command).replace("MORE", more)).unwrap();
 }
 
-/// A folder with a driver, run once; none where there is no Python.
-fn folder(command: &str, more: &str) -> Option<tempfile::TempDir> {
-    if !Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success()) {
-        loud!("skipped: there is no python3");
-        return None;
-    }
+/// A folder with a driver, run once.
+fn folder(command: &str, more: &str) -> tempfile::TempDir {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("drv.py"), DRIVER).unwrap();
     std::fs::write(place.path().join("params.py"), "GAP = 0.0\n").unwrap();
     write(place.path(), command, more);
     run(place.path(), &[], 0);
-    Some(place)
+    place
 }
 
 fn said(output: &Output) -> String {
@@ -76,9 +73,10 @@ fn failure(here: &Path) -> String {
     names.lines().next().unwrap_or_else(|| panic!("it hits somebody: {names}")).to_owned()
 }
 
+#[needs(python)]
 #[test]
 fn every_command_names_the_file_of_a_driver_that_was_edited() {
-    let Some(place) = folder("python3 drv.py", r#", files: ["drv.py", "params.py"]"#) else { return };
+    let place = folder("python3 drv.py", r#", files: ["drv.py", "params.py"]"#);
     let here = place.path();
     let again = run(here, &[], 0);
     assert!(
@@ -128,9 +126,10 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     assert!(reused(&run(here, &["--replace"], 0)));
 }
 
+#[needs(python)]
 #[test]
 fn an_edited_driver_is_repeated_with_files_that_it_does_not_declare_and_in_its_own_folder() {
-    let Some(place) = folder("python3 drv.py", r#", files: ["drv.py"]"#) else { return };
+    let place = folder("python3 drv.py", r#", files: ["drv.py"]"#);
     let here = place.path();
     let name = failure(here);
     std::fs::write(here.join("drv.py"), DRIVER.replace("1.0 if near", "1.0 if True")).unwrap();
@@ -158,9 +157,10 @@ driver mine_PART = external(command: "python3 drv.py", timeout: 60 s, files: ["d
     assert!(text.contains("the program of `mine_b` has changed") && !text.contains("of `mine_a` has"), "{text}");
 }
 
+#[needs(python)]
 #[test]
 fn work_of_a_program_without_files_is_repeated_unless_the_scenario_states_its_version() {
-    let Some(place) = folder("python3 drv.py", "") else { return };
+    let place = folder("python3 drv.py", "");
     let here = place.path();
     let list = run(here, &["--list"], 0);
     assert!(list.contains("[run: `mine` declares no `files`]"), "{list}");
@@ -185,9 +185,10 @@ fn work_of_a_program_without_files_is_repeated_unless_the_scenario_states_its_ve
 const SLEEPER: &str = "import os, time\n";
 
 #[cfg(unix)]
+#[needs(python)]
 #[test]
 fn ctrl_c_ends_a_run_that_waits_for_a_driver_and_keeps_what_was_stored() {
-    let Some(place) = folder("python3 drv.py", r#", worlds: 1, files: ["drv.py"]"#) else { return };
+    let place = folder("python3 drv.py", r#", worlds: 1, files: ["drv.py"]"#);
     let here = place.path();
     let slow =
         DRIVER.replace("    actions = []\n", "    if os.path.exists('slow'): time.sleep(60)\n    actions = []\n");

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use crate::program::{self, error, said};
 use crate::samples::samples;
+use needs::needs;
 
 /// The most time that a command may take, in a debug build on a busy machine. It separates an answer from a hang.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -268,14 +269,11 @@ fn under_any_limit_there_is_the_right_result_or_a_clear_error() {
 
 /// The superuser has no limit of processes, so the program runs as another user. As that user this test sees its own processes alone, since
 /// no other has its number.
+#[needs(another_user)]
 #[test]
 fn under_any_limit_of_processes_there_is_the_right_result_or_a_clear_error() {
     const USER: &str = "--reuid=3989654";
     let as_user = |words: &[&str]| Command::new("setpriv").args([USER, "--clear-groups"]).args(words).output();
-    if !as_user(&["true"]).is_ok_and(|output| output.status.success()) {
-        loud!("skipped: this user may not become another one");
-        return;
-    }
     use std::os::unix::fs::PermissionsExt;
     let place = campaign();
     for path in [place.path().to_path_buf(), place.path().join("cut.scn")] {
@@ -431,12 +429,9 @@ fn processes_with_one_cache_that_are_interrupted_end_in_order() {
 }
 
 /// A driver that needs 50 ms for every tick, so that an update of the training takes minutes.
+#[needs(python)]
 #[test]
 fn a_slow_training_answers_a_signal_and_its_limit() {
-    if !Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success()) {
-        loud!("skipped: there is no python3");
-        return;
-    }
     let place = campaign();
     let driver = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/external/my_av.py");
     let driver = fs::read_to_string(driver).unwrap().replace("import json, math, sys", "import json, math, sys, time");

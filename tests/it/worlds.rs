@@ -3,15 +3,7 @@
 use std::path::Path;
 
 use crate::program::falsify;
-
-fn has_python() -> bool {
-    let found = std::process::Command::new("python3").arg("--version").output();
-    let found = found.is_ok_and(|output| output.status.success());
-    if !found {
-        loud!("skipped: there is no python3");
-    }
-    found
-}
+use needs::needs;
 
 fn world_with(fault: &str) -> String {
     format!("python3 {} {fault}", top("tests/external/world.py"))
@@ -28,11 +20,9 @@ fn said(arguments: &[&str], place: &Path) -> (Option<i32>, String) {
     (output.status.code(), text)
 }
 
+#[needs(python)]
 #[test]
 fn a_check_of_a_bridge_names_what_is_wrong() {
-    if !has_python() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let check = |command: &str| said(&["check", "--world", command], place.path());
     let (code, text) = check(&format!("python3 {}", top("scenarios/external/my_world.py")));
@@ -101,11 +91,9 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
     assert!(code == Some(5) && text.contains("the bridges of the Python package are metadrive, sumo"), "{text}");
 }
 
+#[needs(python)]
 #[test]
 fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
-    if !has_python() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
     let scenario = scenario.replace("../lib", "std").replace("episodes: 20", "episodes: 30");
@@ -196,11 +184,9 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     assert!(code == Some(2) && text.contains("has no collision and no near miss 1a2b3c4d:0"), "{text}");
 }
 
+#[needs(python)]
 #[test]
 fn a_comparison_says_which_episodes_were_in_error_and_its_gate_fails() {
-    if !has_python() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
     let half = world_with("ends_near");
@@ -216,11 +202,9 @@ fn a_comparison_says_which_episodes_were_in_error_and_its_gate_fails() {
     assert!(code == Some(7) && text.contains("--fail-if: episodes in error"), "{text}");
 }
 
+#[needs(python)]
 #[test]
 fn a_log_says_how_far_a_slow_world_is() {
-    if !has_python() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
     let hang = format!("{} hang\", timeout: 12 s)", top("tests/external/world.py"));
@@ -235,11 +219,9 @@ fn a_log_says_how_far_a_slow_world_is() {
     );
 }
 
+#[needs(python)]
 #[test]
 fn the_fixed_list_may_be_met_in_another_world() {
-    if !has_python() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
     let scenario = scenario.replace("../lib", "std").replace("worlds: [here, mine]", "");
@@ -258,11 +240,9 @@ fn the_fixed_list_may_be_met_in_another_world() {
     assert_eq!((&row["faults_new"], &row["faults_fixed"]), (&0.into(), &0.into()), "our kinematics: {row}");
 }
 
+#[needs(python)]
 #[test]
 fn a_recheck_stays_in_a_world_and_says_what_another_one_lacks() {
-    if !has_python() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let world = |fault: &str| format!("python3 {} {fault}", top("tests/external/world.py"));
     let scenario = format!(

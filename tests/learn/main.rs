@@ -1,9 +1,6 @@
 //! The tests of the learner.
 #![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
-#[macro_use]
-#[path = "../common/loud.rs"]
-mod loud;
 #[path = "../common/reference.rs"]
 mod reference;
 #[path = "../common/repository.rs"]

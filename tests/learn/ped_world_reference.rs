@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use base::seed::Seed;
 use learn::Env;
+use needs::needs;
 use serde_json::Value;
 
 use super::ped_world::{End, PedWorld, Reward, Road, Rules, Start, TICKS, Units, WALK};
@@ -29,13 +30,10 @@ fn recordings() -> Vec<PathBuf> {
     found
 }
 
+#[needs(reference = "/golden.json")]
 #[test]
 fn ped_world_reference() {
     let recordings = recordings();
-    if recordings.is_empty() {
-        loud!("SKIPPED: no golden.json below the reference folder; set FALSIFY_REFERENCE_DIR");
-        return;
-    }
     let (mut decisions, mut hits, mut worst) = (0, 0, 0.0f64);
     for path in recordings {
         let episodes: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();

@@ -1,7 +1,7 @@
 //! Trained policies act alike in PyTorch, stable-baselines3 and onnxruntime.
 //!
 //! Needs a Python with these packages; `FALSIFY_PYTHON` names it (default `python3`):
-//! `pip install stable-baselines3 safetensors onnx onnxruntime`. The test reports a missing package and skips its part.
+//! `pip install stable-baselines3 safetensors onnx onnxruntime`.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -10,6 +10,7 @@ use std::process::Command;
 
 use base::seed::Seed;
 use learn::{Env, FrameStack, PpoConfig, train};
+use needs::needs;
 use serde_json::{Value, json};
 
 use super::ped_world::{End, PedWorld, Reward, Road, Rules, Units};
@@ -51,8 +52,8 @@ fn write_case(folder: &Path, name: &str, config: &PpoConfig) {
     std::fs::write(folder.join(format!("{name}.json")), recorded.to_string()).unwrap();
 }
 
-#[test]
-fn trained_policies_act_alike_in_other_programs() {
+/// Compares the actions of trained policies in a program.
+fn acts_alike(program: &str) {
     let folder = tempfile::tempdir().unwrap();
     let plain = PpoConfig { steps: 3_000, learning_rate: 3e-3, ..PpoConfig::paper() };
     let rich = PpoConfig { frame_stack: 3, normalize_observations: true, hidden: vec![32, 16, 8], ..plain.clone() };
@@ -61,21 +62,36 @@ fn trained_policies_act_alike_in_other_programs() {
 
     let python = std::env::var("FALSIFY_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let script = crate::repository().join("tests/reference/policy/elsewhere.py");
-    let Ok(output) = Command::new(&python).arg(script).arg(folder.path()).output() else {
-        loud!("SKIPPED: there is no `{python}`; set FALSIFY_PYTHON");
-        return;
-    };
+    let output = Command::new(python).arg(script).arg(folder.path()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     let worst: BTreeMap<String, Value> = serde_json::from_str(text.lines().last().expect("a line of output")).unwrap();
     assert_eq!(worst.len(), 4);
-    for (program, difference) in worst {
-        match difference.as_f64() {
-            None => loud!("SKIPPED: `{python}` has no {program}; set FALSIFY_PYTHON"),
-            Some(difference) => {
-                eprintln!("{program}: the largest difference of an action is {difference:e}");
-                assert!(difference <= TOLERANCE, "{program} differs by {difference:e}");
-            }
-        }
-    }
+    let difference = worst[program].as_f64().expect("all packages are there");
+    eprintln!("{program}: the largest difference of an action is {difference:e}");
+    assert!(difference <= TOLERANCE, "{program} differs by {difference:e}");
+}
+
+#[needs(module = "torch")]
+#[test]
+fn trained_policies_act_alike_in_pytorch() {
+    acts_alike("torch");
+}
+
+#[needs(module = "stable_baselines3")]
+#[test]
+fn trained_policies_act_alike_in_stable_baselines3() {
+    acts_alike("stable_baselines3");
+}
+
+#[needs(module = "onnxruntime")]
+#[test]
+fn trained_policies_act_alike_in_onnxruntime() {
+    acts_alike("onnxruntime");
+}
+
+#[needs(module = "onnx")]
+#[test]
+fn trained_policies_are_valid_onnx() {
+    acts_alike("onnx_checker");
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::reference;
 use base::seed::Seed;
+use needs::needs;
 use ported::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Release};
 use serde_json::Value;
 use world::av::{Actor, DrivingPolicy, Light, Perception};
@@ -240,13 +241,11 @@ fn least_bearing(ego: &Actor, obstacle: &Actor) -> f64 {
     bearings.fold(f64::INFINITY, f64::min)
 }
 
+#[needs(reference = "reference/behavior_agent_traces/v _trace.csv")]
 #[test]
 fn recorded_decisions_are_repeated_reference() {
     let root = reference::folder().join("reference").join("behavior_agent_traces");
-    let Ok(folders) = fs::read_dir(&root) else {
-        loud!("SKIPPED: no recordings of CARLA's agent in {}", root.display());
-        return;
-    };
+    let folders = fs::read_dir(&root).unwrap();
     let mut folders: Vec<PathBuf> = folders.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
     folders.sort();
     let mut towns = BTreeMap::new();
@@ -297,8 +296,6 @@ fn recorded_decisions_are_repeated_reference() {
             failures.push(version.to_owned());
         }
     }
-    if replayed == 0 {
-        loud!("SKIPPED: no readable recordings of CARLA's agent in {}", root.display());
-    }
+    assert!(replayed > 0, "no recordings of CARLA's agent are readable in {}", root.display());
     assert!(failures.is_empty(), "the agents of CARLA {} decide otherwise", failures.join(", "));
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::reference;
+use needs::needs;
 use ported::interfuser::{
     Cell, Controller, EgoVector, Forecast, HORIZONS, Inputs, ObjectClass, ObjectMap, Settings, Sighting, Tracker,
     find_detections,
@@ -264,16 +265,13 @@ fn example_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
+#[needs(reference = "reference/ interfuser example .json")]
 #[test]
 fn the_published_planner_is_repeated_reference() {
     let root = reference::folder().join("reference");
     let mut files = Vec::new();
     example_files(&root, &mut files);
     files.sort();
-    if files.is_empty() {
-        loud!("SKIPPED: no runs of InterFuser's planner in {}", root.display());
-        return;
-    }
     let mut all = Disagreements::default();
     type Check = fn(&Value, &mut Disagreements);
     let checks: [(&str, Check); 4] = [

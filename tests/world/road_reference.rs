@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::reference;
+use needs::needs;
 use world::geometry::{Point, Pose, wrap_angle};
 use world::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
 
@@ -122,10 +123,7 @@ impl Findings {
 /// Runs a comparison on every map that has such a table, prints the result, and fails on any mismatch.
 fn with_tables(kind: &str, compare: impl Fn(&Case, &mut Findings)) {
     let folder = maps_folder();
-    let Ok(entries) = fs::read_dir(folder.join("oracle")) else {
-        loud!("SKIPPED: no reference maps in {}", folder.display());
-        return;
-    };
+    let entries = fs::read_dir(folder.join("oracle")).unwrap();
     let files: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
     let ending = format!("_{kind}.csv");
     let names: BTreeSet<&str> =
@@ -194,11 +192,13 @@ fn compare_lanes(case: &Case, found: &mut Findings) {
     }
 }
 
+#[needs(reference = "maps/oracle/ _lanes.csv")]
 #[test]
 fn lanes_agree_with_the_reference() {
     with_tables("lanes", compare_lanes);
 }
 
+#[needs(reference = "maps/oracle/ _waypoints.csv")]
 #[test]
 fn generated_waypoints_agree_with_the_reference() {
     with_tables("waypoints", |case, found| {
@@ -214,6 +214,7 @@ fn generated_waypoints_agree_with_the_reference() {
     });
 }
 
+#[needs(reference = "maps/oracle/ _topology.csv")]
 #[test]
 fn topology_agrees_with_the_reference() {
     with_tables("topology", |case, found| {
@@ -241,6 +242,7 @@ fn topology_agrees_with_the_reference() {
     });
 }
 
+#[needs(reference = "maps/oracle/ _junctions.csv")]
 #[test]
 fn junctions_agree_with_the_reference() {
     with_tables("junctions", |case, found| {
@@ -266,6 +268,7 @@ fn junctions_agree_with_the_reference() {
     });
 }
 
+#[needs(reference = "maps/oracle/ _next.csv")]
 #[test]
 fn the_ways_ahead_agree_with_the_reference() {
     with_tables("next", |case, found| {
@@ -316,6 +319,7 @@ fn is_later_chord(town: &Town, point: Point, ours: Waypoint, theirs: Waypoint) -
     whole && back > 0.0 && back < 1.0 && distance(theirs) < distance(ours)
 }
 
+#[needs(reference = "maps/oracle/ _queries.csv")]
 #[test]
 fn nearest_lanes_agree_with_the_reference() {
     with_tables("queries", |case, found| {
@@ -399,6 +403,7 @@ fn has_carla_signals(case: &Case) -> bool {
     case.town.map.as_deref().is_some_and(|map| map.contains("vendor=\"VectorZero\""))
 }
 
+#[needs(reference = "maps/oracle/ _landmarks.csv")]
 #[test]
 fn speed_signs_agree_with_the_reference() {
     with_tables("landmarks", |case, found| {
@@ -429,6 +434,7 @@ fn speed_signs_agree_with_the_reference() {
     });
 }
 
+#[needs(reference = "maps/oracle/ _landmarks.csv")]
 #[test]
 fn traffic_lights_agree_with_the_reference() {
     with_tables("landmarks", |case, found| {

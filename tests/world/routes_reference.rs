@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::reference;
+use needs::needs;
 use world::geometry::{Point, Vector};
 use world::road::{RoadOption, RoutePlanner, RoutePoint, Town, opendrive};
 
@@ -92,14 +93,11 @@ fn forget_first_junction(route: &mut [RoutePoint]) {
     }
 }
 
+#[needs(reference = "reference/behavior_agent_traces/ _routes.csv")]
 #[test]
 fn routes_agree_with_the_reference() {
     let folder = reference::folder().join("reference").join("behavior_agent_traces");
-    let Ok(entries) = fs::read_dir(&folder) else {
-        loud!("SKIPPED: no recorded routes in {}", folder.display());
-        return;
-    };
-    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    let mut files: Vec<PathBuf> = fs::read_dir(&folder).unwrap().flatten().map(|entry| entry.path()).collect();
     files.sort();
     let (mut agreeing, mut all) = (0, 0);
     for file in files {
@@ -150,21 +148,17 @@ fn routes_agree_with_the_reference() {
         agreeing += routes.len() - wrong;
         all += routes.len();
     }
-    if all == 0 {
-        loud!("SKIPPED: no readable routes in {}", folder.display());
-    }
+    assert!(all > 0, "no routes are readable in {}", folder.display());
     assert_eq!(agreeing, all, "routes that agree with CARLA's");
 }
 
 /// The first branch of a fork decides the way of CARLA's driver without a destination.
+#[needs(reference = "maps/oracle/ _topology.csv")]
 #[test]
 fn topology_and_branches_are_in_the_order_of_the_reference() {
     let folder = reference::folder().join("maps");
-    let Ok(entries) = fs::read_dir(folder.join("oracle")) else {
-        loud!("SKIPPED: no topologies in {}", folder.display());
-        return;
-    };
-    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    let mut files: Vec<PathBuf> =
+        fs::read_dir(folder.join("oracle")).unwrap().flatten().map(|entry| entry.path()).collect();
     files.sort();
     for file in files {
         let Some(town_name) = file.file_name().and_then(|name| name.to_str()?.strip_suffix("_topology.csv")) else {

@@ -3,6 +3,7 @@
 use std::iter::Peekable;
 
 use pest::iterators::{Pair, Pairs};
+use pest::pratt_parser::{Assoc, ConstPrattParser, Op};
 
 use super::rules::Rule;
 use super::{Reader, inner_text, read_number};
@@ -16,78 +17,58 @@ use base::diagnostic::Span;
 /// Maximum number of terms and operators of one expression; later phases walk it recursively.
 const MAX_TERMS: usize = 500;
 
+/// The operators, from the one that binds least; `true` where it binds more than the one before. `a implies b implies c` is
+/// `a implies (b implies c)`, and `not` applies to a whole comparison.
+static OPERATORS: ConstPrattParser<Rule, 9> = ConstPrattParser::new_const([
+    (Op::infix(Rule::range, Assoc::Left), true),
+    (Op::infix(Rule::implies, Assoc::Right), true),
+    (Op::infix(Rule::or, Assoc::Left), true),
+    (Op::infix(Rule::and, Assoc::Left), true),
+    (Op::prefix(Rule::not), true),
+    (Op::infix(Rule::comparison, Assoc::Left), true),
+    (Op::infix(Rule::sum, Assoc::Left), true),
+    (Op::infix(Rule::product, Assoc::Left), true),
+    (Op::prefix(Rule::minus), true),
+]);
+
 impl Reader {
     pub(super) fn value(&mut self, pair: Pair<Rule>) -> Expression {
-        let span = self.span(&pair);
-        let pairs = pair.into_inner();
-        let counts = |pair: &Pair<Rule>| {
-            !matches!(pair.as_rule(), Rule::prefix | Rule::unit | Rule::arguments | Rule::conversion)
-        };
-        if pairs.len() > MAX_TERMS && pairs.clone().filter(counts).count() > MAX_TERMS {
+        let (span, pairs) = (self.span(&pair), pair.into_inner());
+        if pairs.len() > MAX_TERMS {
             self.diagnostics.push(diagnostics::too_long(span, MAX_TERMS));
             return Expression { kind: ExpressionKind::Known(Known::Wrong), span };
         }
-        let mut pairs = pairs.peekable();
-        let low = self.expression(&mut pairs);
-        if pairs.next_if(|pair| pair.as_rule() == Rule::range).is_none() {
-            return low;
-        }
-        let high = self.expression(&mut pairs);
-        let span = low.span.to(high.span);
-        Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
+        OPERATORS
+            .map_primary(|operand| self.operand(operand))
+            .map_prefix(move |sign, inner| {
+                let span = Span { start: sign.as_span().start(), ..inner.span };
+                let kind = match (sign.as_rule(), inner.kind) {
+                    (Rule::not, kind) => ExpressionKind::Not(Expression { kind, span: inner.span }.into()),
+                    (_, ExpressionKind::Number { value, unit }) => ExpressionKind::Number { value: -value, unit },
+                    (_, kind) => ExpressionKind::Negate(Expression { kind, span: inner.span }.into()),
+                };
+                Expression { kind, span }
+            })
+            .map_infix(|left, sign, right| {
+                let span = left.span.to(right.span);
+                let (left, right) = (left.into(), right.into());
+                let kind = match sign.as_rule() {
+                    Rule::range => ExpressionKind::Range(left, right),
+                    _ => ExpressionKind::Binary { operator: operator(sign.as_str()), left, right },
+                };
+                Expression { kind, span }
+            })
+            .parse(pairs)
     }
 
-    fn expression(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
-        let first = self.term(pairs);
-        self.operations(first, pairs, 0)
-    }
-
-    /// The operations after a term, as long as their operators bind at least this tightly.
-    fn operations(&mut self, first: Expression, pairs: &mut Peekable<Pairs<Rule>>, min_tightness: u8) -> Expression {
-        let mut left = first;
-        let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= min_tightness);
-        while let Some((operator, tightness)) = pairs.peek().and_then(binds) {
-            pairs.next();
-            let right = self.term(pairs);
-            let groups_right = tightness == IMPLIES;
-            let right = self.operations(right, pairs, if groups_right { tightness } else { tightness + 1 });
-            let span = left.span.to(right.span);
-            let kind = ExpressionKind::Binary { operator, left: left.into(), right: right.into() };
-            left = Expression { kind, span };
-        }
-        left
-    }
-
-    /// Signs, their operand, and the unit that it is counted in.
-    fn term(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
-        let mut prefixes = Vec::new();
-        while let Some(prefix) = pairs.next_if(|pair| pair.as_rule() == Rule::prefix) {
-            prefixes.push((prefix.as_str() == "-", self.span(&prefix)));
-        }
-        let mut expression = self.primary(pairs);
-        if let Some(conversion) = pairs.next_if(|pair| pair.as_rule() == Rule::conversion) {
-            let unit = self.name(conversion.into_inner().next().expect("a conversion has a unit"));
-            let span = expression.span.to(unit.span);
-            expression = Expression { kind: ExpressionKind::Conversion(expression.into(), unit), span };
-        }
-        if prefixes.len() > MAX_TERMS {
-            self.diagnostics.push(diagnostics::too_long(prefixes[0].1, MAX_TERMS));
-            return expression;
-        }
-        for (negative, span) in prefixes.into_iter().rev() {
-            if !negative {
-                // `not` applies to a whole comparison.
-                expression = self.operations(expression, pairs, COMPARISON);
-            }
-            let span = span.to(expression.span);
-            let kind = match (negative, expression.kind) {
-                (true, ExpressionKind::Number { value, unit }) => ExpressionKind::Number { value: -value, unit },
-                (true, kind) => ExpressionKind::Negate(Expression { kind, span: expression.span }.into()),
-                (false, kind) => ExpressionKind::Not(Expression { kind, span: expression.span }.into()),
-            };
-            expression = Expression { kind, span };
-        }
-        expression
+    /// A value, and the unit that it is counted in.
+    fn operand(&mut self, pair: Pair<Rule>) -> Expression {
+        let mut pairs = pair.into_inner().peekable();
+        let expression = self.primary(&mut pairs);
+        let Some(conversion) = pairs.next() else { return expression };
+        let unit = self.name(conversion.into_inner().next().expect("a conversion has a unit"));
+        let span = expression.span.to(unit.span);
+        Expression { kind: ExpressionKind::Conversion(expression.into(), unit), span }
     }
 
     /// A number with its unit, a word or a call, a text, a group, a list.
@@ -157,28 +138,19 @@ impl Reader {
     }
 }
 
-/// The precedence of comparisons: below that of their operands, above that of `and` and `or`.
-const COMPARISON: u8 = 3;
-/// That of `implies`, which groups to the right: `a implies b implies c` is `a implies (b implies c)`.
-const IMPLIES: u8 = 0;
-
-/// An operator and its precedence; `None` for another pair.
-fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
-    if pair.as_rule() != Rule::infix {
-        return None;
-    }
-    Some(match pair.as_str() {
-        "implies" => (Operator::Implies, IMPLIES),
-        "or" => (Operator::Or, 1),
-        "and" => (Operator::And, 2),
-        "<" => (Operator::Less, COMPARISON),
-        "<=" => (Operator::LessEqual, COMPARISON),
-        ">" => (Operator::Greater, COMPARISON),
-        ">=" => (Operator::GreaterEqual, COMPARISON),
-        "+" => (Operator::Add, 4),
-        "-" => (Operator::Subtract, 4),
-        "*" => (Operator::Multiply, 5),
-        "/" => (Operator::Divide, 5),
+fn operator(sign: &str) -> Operator {
+    match sign {
+        "implies" => Operator::Implies,
+        "or" => Operator::Or,
+        "and" => Operator::And,
+        "<" => Operator::Less,
+        "<=" => Operator::LessEqual,
+        ">" => Operator::Greater,
+        ">=" => Operator::GreaterEqual,
+        "+" => Operator::Add,
+        "-" => Operator::Subtract,
+        "*" => Operator::Multiply,
+        "/" => Operator::Divide,
         other => unreachable!("`{other}` is not an operator"),
-    })
+    }
 }

@@ -98,10 +98,12 @@ fn describe(rule: Rule) -> Option<&'static str> {
         Rule::inner => "a block",
         Rule::clause | Rule::on_word => "`on`",
         Rule::event => "an event",
-        Rule::value | Rule::expression | Rule::term | Rule::primary => "a value",
+        Rule::value | Rule::expression | Rule::term | Rule::operand | Rule::primary => "a value",
         Rule::call => "a call",
         Rule::argument => "an argument",
-        Rule::infix => "an operator",
+        Rule::infix | Rule::sum | Rule::product | Rule::comparison | Rule::and | Rule::or | Rule::implies => {
+            "an operator"
+        }
         Rule::conversion => "`in`",
         Rule::EOI | Rule::whole_item | Rule::whole_entry | Rule::whole_value => "the end of the statement",
         Rule::b
@@ -129,6 +131,8 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::plain
         | Rule::line
         | Rule::remark
-        | Rule::prefix => return None,
+        | Rule::prefix
+        | Rule::minus
+        | Rule::not => return None,
     })
 }

@@ -62,8 +62,7 @@ pub use criterion::Criterion;
 pub use destination::Destination;
 pub use driver_parts::{DriverParts, Setting};
 pub use external_world::{
-    Abilities, BRIDGES, BridgeKeys, ExternalWorld, HERE, LaneMatch, MapWriter, PROTOCOL as WORLD_PROTOCOL,
-    bridge_command,
+    Abilities, BridgeKeys, ExternalWorld, HERE, LaneMatch, MapWriter, PROTOCOL as WORLD_PROTOCOL,
 };
 pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::{gzip, reference, repository};
+use needs::needs;
 use world::geometry::{Point, Vector};
 use world::road::opendrive::read;
 use world::road::{LaneFilter, LaneKind, SpeedSign, Town};
@@ -35,6 +36,7 @@ fn ours(town: &Town) -> Vec<Place> {
     lights.chain(signs).chain(limits).collect()
 }
 
+#[needs(reference = "maps/e6mini.xodr")]
 #[test]
 fn signals_of_other_tools_agree_with_the_reference() {
     let read_table =

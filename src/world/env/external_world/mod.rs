@@ -34,15 +34,6 @@ keys! {
     .explained("start_timeout", "Time that it has for its greeting, and for loading a town.")
 }
 
-/// The bridges of the Python package.
-pub const BRIDGES: [&str; 4] = ["metadrive", "sumo", "carla", "esmini"];
-
-/// The command of a bridge: that of the Python package if the text begins with a name of it, as `metadrive mended`, else the text.
-pub fn bridge_command(text: &str) -> String {
-    let is_known = text.split_whitespace().next().is_some_and(|name| BRIDGES.contains(&name));
-    if is_known { format!("python3 -m falsify_av.bridges {text}") } else { text.into() }
-}
-
 /// Writes the map of a town in OpenDRIVE; the error is the reason why it cannot, as a part of a sentence.
 pub type MapWriter = dyn Fn(&Town) -> Result<String, String> + Send + Sync;
 
