@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use super::actors::{CastFailure, cast_failures};
 use super::caution::{Caution, cautions};
 use super::distinct::listed_findings;
@@ -7,6 +9,7 @@ use super::{
 };
 use crate::campaign::Finished;
 use crate::jobs::SearchResult;
+use crate::record::CellKey;
 use crate::tables::{Cell, Cells};
 use base::seed::Seed;
 use compile::Campaign;
@@ -26,6 +29,8 @@ pub struct Findings<'a> {
     pub distinct: Vec<DistinctFailure>,
     /// The listed failures of a campaign with a cast, and which actors they need.
     pub cast_failures: Vec<CastFailure>,
+    /// The places of the evidence on cells.
+    evidence: BTreeMap<CellKey, usize>,
     /// Published figures beside ours.
     pub published: Vec<PublishedComparison<'a>>,
     /// The results in the tests of a protocol within its layers.
@@ -53,7 +58,9 @@ impl<'a> Findings<'a> {
             let searched = drivers.iter_mut().filter_map(|result| result.searched.as_mut());
             searched.for_each(|found| found.injury_per_thousand = None);
         }
+        let places = evidence.iter().enumerate().map(|(place, found)| (found.key.clone(), place)).collect();
         let mut found = Self {
+            evidence: places,
             distinct: Vec::new(),
             cast_failures: Vec::new(),
             drivers,
@@ -75,6 +82,6 @@ impl<'a> Findings<'a> {
 
     /// The evidence on a cell; `None` without a run of it.
     pub fn evidence(&self, cell: &Cell) -> Option<&CellEvidence> {
-        self.gathered.evidence.cells.iter().find(|found| found.key == cell.key)
+        self.evidence.get(&cell.key).map(|place| &self.gathered.evidence.cells[*place])
     }
 }

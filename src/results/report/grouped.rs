@@ -1,8 +1,12 @@
-/// Groups of items that are alike, in the order of first appearance.
-pub fn grouped<T>(items: impl IntoIterator<Item = T>, is_alike: impl Fn(&T, &T) -> bool) -> Vec<Vec<T>> {
+use std::collections::BTreeMap;
+
+/// Groups of items with equal keys, in the order of first appearance.
+pub fn grouped<T, K: Ord>(items: impl IntoIterator<Item = T>, key: impl Fn(&T) -> K) -> Vec<Vec<T>> {
+    let mut places: BTreeMap<K, usize> = BTreeMap::new();
     let mut groups: Vec<Vec<T>> = Vec::new();
     for item in items {
-        match groups.iter_mut().find(|group| is_alike(&group[0], &item)) {
+        let place = *places.entry(key(&item)).or_insert(groups.len());
+        match groups.get_mut(place) {
             Some(group) => group.push(item),
             None => groups.push(vec![item]),
         }

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use polars::prelude::DataFrame;
 
 use super::Findings;
@@ -45,7 +47,8 @@ impl<'a> Row<'a> {
 /// All that is known of each cell in one long table: a row for each metric, and one more where it has a second interval. Those of searches follow.
 pub fn metric_table(found: &Findings<'_>) -> DataFrame {
     let Findings { cells, gathered, searches, .. } = found;
-    let requirements = &gathered.requirements;
+    let mut requirements: BTreeMap<&CellKey, Vec<&CellRequirement>> = BTreeMap::new();
+    gathered.requirements.iter().for_each(|each| requirements.entry(&each.key).or_default().push(each));
     let keys: Vec<CellKey> = searches.iter().map(|cell| cell_of(&cell.key)).collect();
     let mut rows = Vec::new();
     for cell in cells.iter() {
@@ -54,7 +57,7 @@ pub fn metric_table(found: &Findings<'_>) -> DataFrame {
         if let Some(found) = evidence {
             of_evidence(cell, found, &mut rows);
         }
-        requirements.iter().filter(|each| each.key == cell.key).for_each(|each| of_requirement(cell, each, &mut rows));
+        requirements.get(&cell.key).into_iter().flatten().for_each(|each| of_requirement(cell, each, &mut rows));
     }
     // An untrained pedestrian has a mean reward for each reward of the campaign, and all else once.
     for cell in gathered.copies.iter() {

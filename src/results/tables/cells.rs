@@ -19,6 +19,17 @@ use base::statistics::{ClusteredCount, wilson};
 pub struct Cells {
     table: Arc<DataFrame>,
     cells: Vec<Cell>,
+    varied: Varied,
+}
+
+/// Which parts of the key differ between cells.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Varied {
+    pub vehicle: bool,
+    pub adversary: bool,
+    pub world: bool,
+    /// Town or driver of trainings.
+    pub training: bool,
 }
 
 /// A row of the table of cells.
@@ -57,8 +68,9 @@ impl Cells {
     fn of(table: DataFrame) -> PolarsResult<Self> {
         let table = Arc::new(table);
         let cell = |row| Ok(Cell { key: CellKey::read(&table, row)?, table: table.clone(), row });
-        let cells = (0..table.height()).map(cell).collect::<PolarsResult<_>>()?;
-        Ok(Self { table, cells })
+        let cells = (0..table.height()).map(cell).collect::<PolarsResult<Vec<Cell>>>()?;
+        let varied = Varied::of(&cells);
+        Ok(Self { table, cells, varied })
     }
 
     /// Those that count, and those of untrained pedestrians that walked the same for an earlier reward, which would count twice.
@@ -95,9 +107,29 @@ impl Cells {
         (0..table.height()).map(row).collect()
     }
 
+    /// Which parts of the key differ.
+    pub fn varied(&self) -> Varied {
+        self.varied
+    }
+
     /// The table.
     pub fn table(&self) -> &DataFrame {
         &self.table
+    }
+}
+
+impl Varied {
+    fn of(cells: &[Cell]) -> Self {
+        let differs = |part: fn(&CellKey) -> (&str, &str), all: fn(&CellKey) -> bool| {
+            let mut parts = cells.iter().map(|cell| &cell.key).filter(|key| all(key)).map(part);
+            parts.next().is_some_and(|first| parts.any(|other| other != first))
+        };
+        Self {
+            vehicle: differs(|key| (&key.vehicle, ""), |_| true),
+            adversary: differs(|key| (&key.adversary, ""), |_| true),
+            world: differs(|key| (&key.world, ""), |_| true),
+            training: differs(|key| (&key.train_town, &key.train_policy), CellKey::is_trained),
+        }
     }
 }
 

@@ -7,6 +7,6 @@ pub mod metrics;
 mod runs;
 mod cells;
 
-pub use cells::{Cell, Cells, cell_columns, key_columns};
+pub use cells::{Cell, Cells, Varied, cell_columns, key_columns};
 pub use metrics::{METRICS, Metric};
 pub use runs::{IS_OF_CASES, Runs};

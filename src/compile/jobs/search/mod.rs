@@ -27,10 +27,14 @@ pub struct SearchKey {
 }
 
 impl SearchKey {
+    /// What it shares with searches that differ only in their run: falsifier, town, driver and block.
+    pub fn cell(&self) -> (String, String, String, u32) {
+        (self.falsifier.clone(), self.town.clone(), self.policy.clone(), self.block)
+    }
+
     /// Whether another search differs only in its run.
     pub fn is_of_same_cell(&self, other: &Self) -> bool {
-        (&self.falsifier, &self.town, &self.policy, self.block)
-            == (&other.falsifier, &other.town, &other.policy, other.block)
+        self.cell() == other.cell()
     }
 }
 

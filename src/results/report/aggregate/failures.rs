@@ -4,7 +4,6 @@ use super::requirements::RequirementRow;
 use crate::failure::Failure;
 use crate::jobs::SearchResult;
 use crate::record::{CellKey, EpisodeTable, RunKey};
-use compile::RunId;
 
 /// Maximum number of failures of a driver that are listed. The table `failures` has all.
 const MAX_PER_DRIVER: usize = 100;
@@ -13,34 +12,24 @@ const MAX_PER_DRIVER: usize = 100;
 #[derive(Debug, Clone, Default)]
 pub struct Failures {
     drivers: BTreeMap<String, Vec<Failure>>,
-    /// The runs of untrained controllers that were added, without their reward.
-    untrained: Vec<RunKey>,
-    /// The run of the last rows, and whether it counts.
-    last: Option<(RunKey, bool)>,
     /// The worst failure of each cell that has any.
-    worst: Vec<(CellKey, Failure)>,
-    /// The worst violation of each requirement in each cell that has any, but those that the touch of a collision decides.
+    worst: BTreeMap<CellKey, Failure>,
+    /// The worst violation of each requirement in each cell that has any, but those that the touch of a collision decides, in the order of first appearance.
     violations: Vec<(CellKey, Failure)>,
+    /// The places of these, by cell and requirement.
+    violated: BTreeMap<(CellKey, String), usize>,
 }
 
 impl Failures {
-    /// Adds the collisions of one run or of a part of it: all rows of a table of episodes, which have the same key. The parts of a run follow
-    /// each other. An untrained controller walks the same for every reward, so its runs for further rewards are left out.
+    /// Adds the collisions of a run or of a part of it: rows of a table of episodes.
     pub fn add(&mut self, key: &RunKey, table: &EpisodeTable<'_>) {
-        let counts = match &self.last {
-            Some((last, counts)) if last == key => *counts,
-            _ => key.cell.is_of_reward() || self.is_new(key),
-        };
-        self.last = Some((key.clone(), counts));
         for found in table.rows().filter_map(|row| Failure::of_collision(table, row, key)) {
-            match self.worst.iter_mut().find(|(cell, _)| *cell == key.cell) {
-                Some((_, worst)) if found.worse_first(worst).is_lt() => worst.clone_from(&found),
+            match self.worst.get_mut(&key.cell) {
+                Some(worst) if found.worse_first(worst).is_lt() => worst.clone_from(&found),
                 Some(_) => {}
-                None => self.worst.push((key.cell.clone(), found.clone())),
+                None => drop(self.worst.insert(key.cell.clone(), found.clone())),
             }
-            if counts {
-                self.insert(found);
-            }
+            self.insert(found);
         }
     }
 
@@ -51,16 +40,22 @@ impl Failures {
 
     /// Adds the violations of a run or of a part of it that count.
     pub fn add_violations(&mut self, key: &CellKey, rows: &[RequirementRow]) {
-        let name = |failure: &Failure| failure.violation.as_ref().map(|found| found.requirement.clone());
         let is_own = |row: &&RequirementRow| row.counts && row.degree.is_violated() && !row.violation.at_collision;
         for found in rows.iter().filter(is_own).map(RequirementRow::failure) {
-            let same = |(cell, other): &&mut (CellKey, Failure)| cell == key && name(other) == name(&found);
-            match self.violations.iter_mut().find(same) {
+            let requirement = found.violation.as_ref().map(|found| found.requirement.clone()).unwrap_or_default();
+            let place = *self.violated.entry((key.clone(), requirement)).or_insert(self.violations.len());
+            match self.violations.get_mut(place) {
                 Some((_, worst)) if found.worse_first(worst).is_lt() => *worst = found,
                 Some(_) => {}
                 None => self.violations.push((key.clone(), found)),
             }
         }
+    }
+
+    /// The worst violation of a requirement in a cell.
+    pub fn worst_violation(&self, cell: &CellKey, requirement: &str) -> Option<&Failure> {
+        let place = self.violated.get(&(cell.clone(), requirement.to_owned()))?;
+        Some(&self.violations[*place].1)
     }
 
     /// The worst violation of each requirement in each cell that has any, with its cell.
@@ -70,23 +65,12 @@ impl Failures {
 
     /// The failure of a cell's evaluation that counts most against its driver; `None` without a collision.
     pub fn worst_of(&self, cell: &CellKey) -> Option<&Failure> {
-        self.worst.iter().find(|(key, _)| key == cell).map(|(_, worst)| worst)
+        self.worst.get(cell)
     }
 
     /// The worst failures of a driver, one of each start of a run, the worst first; at most 100.
     pub fn of(&self, driver: &str) -> &[Failure] {
         self.drivers.get(driver).map_or(&[], Vec::as_slice)
-    }
-
-    /// Whether a run of an untrained controller is the first of any reward, which is noted.
-    fn is_new(&mut self, key: &RunKey) -> bool {
-        let cell = CellKey { reward: String::new(), ..key.cell.clone() };
-        let same = RunKey { id: RunId::default(), cell, run: key.run };
-        let new = !self.untrained.contains(&same);
-        if new {
-            self.untrained.push(same);
-        }
-        new
     }
 
     /// Inserts a failure where it belongs, if it is the worst of its start and among the worst of its driver.

@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use polars::prelude::DataFrame;
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{
@@ -14,7 +14,7 @@ use crate::report::failure_table::{FAILURES, failure_table};
 use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
 use crate::tables::{Cells, Runs};
-use compile::{ControllerKind, Evaluation};
+use compile::{ControllerKind, Evaluation, Planned};
 
 /// The results of one pass over all episodes: small tables, counts, and a bounded sample.
 #[derive(Debug, Clone, Default)]
@@ -87,12 +87,21 @@ pub fn gather(
         let named = &*evaluation.scenario.requirements;
         let mut violations = vec![Violations::default(); named.len()];
         let mut protocol = ProtocolRun::new(evaluation);
-        let mut repeats = Repeats::of(run.parts()).map_err(failed)?;
+        // A run of one part is decoded once, a longer one twice: it need not fit in memory.
+        let single: Option<Vec<DataFrame>> =
+            (evaluation.parts() == 1).then(|| run.parts().collect()).transpose().map_err(failed)?;
+        let parts = || -> Box<dyn Iterator<Item = PolarsResult<DataFrame>>> {
+            match &single {
+                Some(parts) => Box::new(parts.iter().cloned().map(Ok)),
+                None => Box::new(run.parts()),
+            }
+        };
+        let mut repeats = Repeats::of(parts()).map_err(failed)?;
         let is_of_cases = protocol.is_some() || repeats.is_grid();
         let mut tried = 0;
         let is_copy = !walked.insert(run.key.of_any_reward());
         runs.begin(&run.key, is_of_cases, is_copy);
-        for part in run.parts() {
+        for part in parts() {
             let mut part = part.map_err(failed)?;
             tried += part.height();
             file.add(&own(&part).map_err(failed)?)?;

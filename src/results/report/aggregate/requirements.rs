@@ -195,7 +195,9 @@ pub fn add_run(
     is_of_cases: bool,
 ) {
     for (named, count) in requirements.iter().zip(counts) {
-        match cells.iter_mut().find(|cell| cell.key == *key && cell.name == *named.name) {
+        // The runs of a cell follow each other, and so do its requirements.
+        let mut last = cells.iter_mut().rev().take(requirements.len());
+        match last.find(|cell| cell.key == *key && cell.name == *named.name) {
             Some(cell) => cell.runs.push(*count),
             None => cells.push(CellRequirement {
                 key: key.clone(),

@@ -66,7 +66,7 @@ impl SearchCell {
 
 /// Gathers runs into cells, in the order of first appearance.
 pub fn search_cells(results: &[SearchResult]) -> Vec<SearchCell> {
-    let cells = grouped(results, |one, other| one.key.is_of_same_cell(&other.key));
+    let cells = grouped(results, |result| result.key.cell());
     cells.iter().map(|cell| gather(cell)).collect()
 }
 

@@ -78,7 +78,7 @@ type Named = [(&'static str, Option<f64>); 4];
 
 /// Compares searches by their figures.
 fn compared<'a>(searches: impl Iterator<Item = (&'a SearchKey, Named)>) -> Vec<SearchComparison> {
-    let cells = grouped(searches, |one, other| one.0.is_of_same_cell(other.0));
+    let cells = grouped(searches, |search| search.0.cell());
     let mut all = Vec::new();
     for (place, one) in cells.iter().enumerate() {
         for other in &cells[place + 1..] {

@@ -107,7 +107,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         |name: &&String| violated[1].contains_key(*name) && applied.iter().any(|all| all.contains_key(*name));
     let requirements: Vec<&String> = violated[0].keys().filter(is_compared).collect();
     let events = CountedEvent::all(requirements.iter().copied());
-    let cells = grouped(pairs, |one, other| one[0].key.cell == other[0].key.cell);
+    let cells = grouped(pairs, |pair| pair[0].key.cell.clone());
     let (mut compared, mut changes) = (Vec::<ComparedCell>::new(), Vec::new());
     let mut pools: Vec<Pool> = Vec::new();
     let (mut unpaired, mut all, mut errors) = (0, 0, (0, None::<String>));

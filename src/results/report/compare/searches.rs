@@ -70,7 +70,7 @@ pub(super) fn compared_searches(before: Side<'_>, after: Side<'_>) -> Result<Mat
     let all = pairs.len();
     pairs.retain(|[one, other]| one.first_start.is_some() && one.first_start == other.first_start);
     let apart = (all - pairs.len()) as u64;
-    let cells = grouped(pairs, |one, other| cell(&one[0]) == cell(&other[0]));
+    let cells = grouped(pairs, |pair| cell(&pair[0]));
     let mut searches: Vec<ComparedSearch> = cells.iter().map(|cell| compared(cell)).collect();
     PairedRate::adjust(searches.iter_mut().map(|search| &mut search.found));
     Ok(MatchedSearches { searches, apart })

@@ -16,7 +16,7 @@ pub struct Place {
 impl Place {
     /// Sorts runs into cells, in the order of first appearance.
     pub fn new(runs: Vec<EvaluatedRun>) -> Self {
-        let groups = grouped(runs, |one, other| one.key == other.key);
+        let groups = grouped(runs, |run| run.key.clone());
         let mut end = 0;
         let cells = groups.iter().map(|group| {
             end += group.len();

@@ -69,7 +69,7 @@ fn one(page: &mut String, suite: &Suite, cases: &[(String, Vec<Finding>)]) {
 }
 
 /// The name of a cell's test case: the controller, the town, the driver, and only so much else as tells the cells of the campaign apart.
-fn short_name(cell: &Cell, cells: &[Cell]) -> String {
+fn short_name(cell: &Cell, cells: &Cells) -> String {
     let rewards = !cell.key.is_trained() && cells.iter().any(|other| other.key.reward != cell.key.reward);
     let reward = if rewards { format!(" ({})", cell.key.reward) } else { String::new() };
     format!("{}{reward} in {} against {}", who(cell, cells), place(cell, cells), cell.key.policy)

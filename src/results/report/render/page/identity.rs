@@ -1,5 +1,6 @@
 use super::super::sections::{place, who};
-use crate::tables::Cell;
+use crate::report::grouped::grouped;
+use crate::tables::{Cell, Cells};
 
 /// A cell with its name on the page.
 #[derive(Debug, Clone)]
@@ -14,10 +15,10 @@ pub struct Named<'a> {
 }
 
 /// Names the cells of a page and gives controllers their colours.
-pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
+pub fn named(cells: &Cells) -> Vec<Named<'_>> {
     let mut all: Vec<Named<'_>> = Vec::new();
     let mut learners: Vec<String> = Vec::new();
-    for cell in cells {
+    for cell in cells.iter() {
         let who = who(cell, cells);
         let place = format!("{} · {}", place(cell, cells), cell.key.policy);
         let colour = match cell.key.controller.as_str() {
@@ -39,12 +40,6 @@ pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
 
 /// The places of a page in order of appearance, each with its cells.
 pub fn places<'a, 'b>(cells: &'b [Named<'a>]) -> Vec<(&'b str, Vec<&'b Named<'a>>)> {
-    let mut all: Vec<(&str, Vec<&Named<'a>>)> = Vec::new();
-    for cell in cells {
-        match all.iter_mut().find(|(place, _)| *place == cell.place) {
-            Some((_, members)) => members.push(cell),
-            None => all.push((&cell.place, vec![cell])),
-        }
-    }
-    all
+    let places = grouped(cells, |cell| &cell.place).into_iter();
+    places.map(|members| (members[0].place.as_str(), members)).collect()
 }

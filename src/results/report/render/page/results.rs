@@ -47,7 +47,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                 @for (place, members) in places(cells) {
                     tbody {
                         tr { th colspan="7" scope="rowgroup" { (place) } }
-                        @for named in members { (row(found, named, &axes, scale)) }
+                        @for named in members { (row(found, named, &axes, &scale)) }
                     }
                 }
             }
@@ -78,7 +78,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
     }
 }
 
-fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis; 3], scale: Scale<'_>) -> Markup {
+fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis; 3], scale: &Scale<'_>) -> Markup {
     let cell = named.cell;
     let published = |column: &str| {
         let same = |beside: &&PublishedComparison<'_>| beside.published.column == column && beside.key == cell.key;

@@ -25,14 +25,14 @@ struct Group {
 pub fn spawns(tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
     let mut groups: Vec<Group> = Vec::new();
     for named in cells.iter().filter(|named| named.cell.key.controller == "trained") {
-        let Some(found) = tally.cells.iter().find(|cell| cell.key == named.cell.key) else { continue };
+        let Some(found) = tally.around.get(&named.cell.key) else { continue };
         let title = format!("{} · {}", named.place, named.cell.key.reward);
         let place = groups.iter().position(|group| group.title == title).unwrap_or_else(|| {
             groups.push(Group { title, around: Bins::new() });
             groups.len() - 1
         });
         let into = &mut groups[place].around;
-        found.around.iter().for_each(|(place, bin)| into.entry(*place).or_default().merge(*bin));
+        found.iter().for_each(|(place, bin)| into.entry(*place).or_default().merge(*bin));
     }
     let left_out = groups.len().saturating_sub(MAX_PANELS);
     groups.truncate(MAX_PANELS);

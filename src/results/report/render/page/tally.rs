@@ -29,33 +29,21 @@ impl Bin {
 /// Bins by their column and row.
 pub type Bins = BTreeMap<(i32, i32), Bin>;
 
-/// The data of the page on the episodes of a cell, in memory that does not grow with their number.
-#[derive(Debug, Clone, Default)]
-pub struct CellTally {
-    pub key: CellKey,
-    /// The pedestrian's starts relative to the car: ahead and to the left.
-    pub around: Bins,
-}
-
 /// Gathers the page's data on episodes, run by run.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
-    /// The cells, in order of appearance.
-    pub cells: Vec<CellTally>,
+    /// The pedestrian's starts relative to the car in each cell: ahead and to the left.
+    pub around: BTreeMap<CellKey, Bins>,
 }
 
 impl Tally {
     /// Adds episodes of a cell.
     pub fn add(&mut self, key: &CellKey, episodes: &EpisodeTable<'_>) {
-        let place = self.cells.iter().position(|cell| cell.key == *key).unwrap_or_else(|| {
-            self.cells.push(CellTally { key: key.clone(), ..CellTally::default() });
-            self.cells.len() - 1
-        });
-        let cell = &mut self.cells[place];
+        let around = self.around.entry(key.clone()).or_default();
         for row in episodes.rows().filter(|row| episodes.counts(*row)) {
             let (spawn, hit) = (episodes.spawn(row), episodes.is_collision(row));
             let seen = spawn.ego.to_local(spawn.pedestrian.position());
-            cell.around.entry(bin(seen.x, seen.y, NEAR)).or_default().add(hit);
+            around.entry(bin(seen.x, seen.y, NEAR)).or_default().add(hit);
         }
     }
 }

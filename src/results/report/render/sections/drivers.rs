@@ -3,7 +3,7 @@ use super::{FAULT, Scale};
 use crate::report::render::table::{Column, Place, Section, Table, Value};
 use crate::report::{DriverResult, Findings};
 use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
-use crate::tables::{Cell, Metric};
+use crate::tables::{Cell, Cells, Metric};
 
 /// How to read the table.
 const READING: &str = "Own drivers lead, baselines come last; then the order is that of *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
@@ -19,7 +19,7 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
     let tables: Vec<Table> = parts
         .into_iter()
         .filter(|(_, of)| !of.is_empty())
-        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale) })
+        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, &scale) })
         .collect();
     (!tables.is_empty()).then(|| Section {
         id: "drivers",
@@ -40,7 +40,7 @@ pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     }
 }
 
-fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
+fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
     let injured = results.iter().any(|result| injury(result, cells).is_some());

@@ -2,14 +2,14 @@ use std::fmt::Write;
 
 use crate::record::in_block;
 use crate::report::render::table::{Column, Value};
-use crate::tables::Cell;
+use crate::tables::{Cell, Cells};
 
 /// The columns that name a cell.
 pub fn head() -> Vec<Column> {
     ["pedestrian", "reward", "trained in, against", "town", "driver"].map(Column::text).into()
 }
 
-pub fn names(cell: &Cell, cells: &[Cell]) -> Vec<Value> {
+pub fn names(cell: &Cell, cells: &Cells) -> Vec<Value> {
     vec![
         Value::from(&cell.key.controller),
         if cell.key.is_of_reward() { Value::from(&cell.key.reward) } else { Value::from("–") },
@@ -20,7 +20,7 @@ pub fn names(cell: &Cell, cells: &[Cell]) -> Vec<Value> {
 }
 
 /// The controller of a cell, with what distinguishes it from the others: its reward if it was trained, and its training if there are several.
-pub fn who(cell: &Cell, cells: &[Cell]) -> String {
+pub fn who(cell: &Cell, cells: &Cells) -> String {
     if !cell.key.is_of_reward() {
         return cell.key.controller.clone();
     }
@@ -28,9 +28,7 @@ pub fn who(cell: &Cell, cells: &[Cell]) -> String {
     if !cell.key.is_trained() {
         return reward;
     }
-    let mut trainings = cells.iter().filter(|other| other.key.is_trained());
-    let several = trainings.any(|other| training(other) != training(cell));
-    if several { format!("{reward} ({})", training(cell)) } else { reward }
+    if cells.varied().training { format!("{reward} ({})", training(cell)) } else { reward }
 }
 
 /// The town and the policy in which the controller of a cell was trained.
@@ -43,15 +41,16 @@ pub fn training(cell: &Cell) -> String {
 }
 
 /// The town of a cell, with all else that differs between the cells: vehicle, adversary, world, `evaluate` block.
-pub fn place(cell: &Cell, cells: &[Cell]) -> String {
+pub fn place(cell: &Cell, cells: &Cells) -> String {
     let mut text = cell.key.town.clone();
-    if cells.iter().any(|other| other.key.vehicle != cell.key.vehicle) {
+    let varied = cells.varied();
+    if varied.vehicle {
         let _ = write!(text, ", {}", cell.key.vehicle);
     }
-    if cells.iter().any(|other| other.key.adversary != cell.key.adversary) {
+    if varied.adversary {
         let _ = write!(text, ", {}", cell.key.adversary);
     }
-    if cells.iter().any(|other| other.key.world != cell.key.world) {
+    if varied.world {
         let _ = write!(text, ", {}", cell.key.world);
     }
     text + &in_block(cell.key.block)

@@ -1,5 +1,6 @@
+use std::collections::BTreeMap;
+
 use super::names::{place, who};
-use crate::failure::Failure;
 use crate::record::CellKey;
 use crate::report::aggregate::Counted;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
@@ -10,12 +11,8 @@ use world::judge::NoVerdict;
 /// The rates of violations of a campaign's requirements; `None` without requirements.
 pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let (cells, found) = (&all.cells, &all.gathered.requirements);
-    let worst = |key: &CellKey, name: &str| -> Option<String> {
-        let is_named =
-            |failure: &Failure| failure.violation.as_ref().is_some_and(|violation| violation.requirement == name);
-        let mut violations = all.gathered.failures.violations().iter();
-        violations.find(|(cell, failure)| cell == key && is_named(failure)).map(|(_, failure)| failure.name())
-    };
+    let by_cell: BTreeMap<(&CellKey, &str), &CellRequirement> =
+        found.iter().map(|each| ((&each.key, each.name.as_str()), each)).collect();
     let mut names: Vec<(&str, Option<NoVerdict>)> = Vec::new();
     for each in found {
         if !names.iter().any(|(name, _)| *name == each.name) {
@@ -33,8 +30,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         }
     }
     let rate = |cell: &Cell, name: &str, counted: Counted| {
-        let found = found.iter().find(|each| each.key == cell.key && each.name == name);
-        found.map_or_else(
+        by_cell.get(&(&cell.key, name)).map_or_else(
             || Value::from("–"),
             |each| match (each.episodes(), each.sums(counted)) {
                 (0, _) => "not run".into(),
@@ -47,8 +43,8 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
         for (name, no_verdict) in &names {
             let shown = rate(cell, name, CellRequirement::ALL);
-            row.push(match worst(&cell.key, name) {
-                Some(failure) => Value::Played(Box::new(shown), failure),
+            row.push(match all.gathered.failures.worst_violation(&cell.key, name) {
+                Some(failure) => Value::Played(Box::new(shown), failure.name()),
                 None => shown,
             });
             if no_verdict.is_none() {

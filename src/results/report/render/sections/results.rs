@@ -1,12 +1,13 @@
 use super::Scale;
 use super::names::{place, who};
 use crate::report::Findings;
+use crate::report::grouped::grouped;
 use crate::report::render::page::results_picture;
 use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
-use crate::tables::Cell;
 use crate::tables::metrics::{
     ALL_EPISODES, COLLISION_RATE, EPISODES, ERRORS, FAULT_COLLISIONS, FAULT_RATE, LEFT_OUT_EPISODES,
 };
+use crate::tables::{Cell, Cells};
 
 /// How to read the table.
 const READING: &str = "Rates are means over the runs: trainings of a trained pedestrian, seeds of another one. Intervals are Wilson's over the starts, which the runs share; they do \
@@ -23,7 +24,7 @@ pub fn results(found: &Findings<'_>) -> Option<Section> {
         title: "How often collisions and faults happen",
         lead: errors(cells),
         depth: Depth::Summary,
-        tables: vec![table(cells, scale)],
+        tables: vec![table(cells, &scale)],
         lines: pedestrians(found),
         picture: Some(results_picture(found)),
         notes: vec![READING.into()],
@@ -37,7 +38,7 @@ fn left_out(cell: &Cell) -> Value {
 }
 
 /// The rates of the cells, narrow enough for a terminal of 80 columns: a heading for each town and driver, and below it a row for each pedestrian.
-fn table(cells: &[Cell], scale: Scale<'_>) -> Table {
+fn table(cells: &Cells, scale: &Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.count(&ERRORS) > 0);
     let has_left_out = cells.iter().any(|cell| cell.count(&LEFT_OUT_EPISODES) > 0);
     let mut head = vec![Column::text("pedestrian"), Column::number("runs × episodes")];
@@ -65,16 +66,9 @@ fn table(cells: &[Cell], scale: Scale<'_>) -> Table {
 }
 
 /// The cells of each town and driver, with the name of the two, in their order.
-fn by_place(cells: &[Cell]) -> Vec<(String, Vec<&Cell>)> {
-    let mut places: Vec<(String, Vec<&Cell>)> = Vec::new();
-    for cell in cells {
-        let name = format!("{} · {}", place(cell, cells), cell.key.policy);
-        match places.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, members)) => members.push(cell),
-            None => places.push((name, vec![cell])),
-        }
-    }
-    places
+fn by_place(cells: &Cells) -> Vec<(String, Vec<&Cell>)> {
+    let name = |cell: &&Cell| format!("{} · {}", place(cell, cells), cell.key.policy);
+    grouped(cells.iter(), name).into_iter().map(|members| (name(&members[0]), members)).collect()
 }
 
 /// Of each driver under test the fault rates of the pedestrians, where the worst of them is.
@@ -95,7 +89,7 @@ fn pedestrians(found: &Findings<'_>) -> Vec<String> {
 }
 
 /// The number of episodes in which a driver or a pedestrian failed as a program, in Markdown; empty without any.
-fn errors(cells: &[Cell]) -> Vec<String> {
+fn errors(cells: &Cells) -> Vec<String> {
     let failed: u32 = cells.iter().map(|cell| cell.count(&ERRORS)).sum();
     if failed == 0 {
         return Vec::new();

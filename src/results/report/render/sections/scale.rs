@@ -1,16 +1,19 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use crate::record::CellKey;
 use crate::report::{DriverResult, SearchCell, SearchFailures};
 use crate::tables::metrics::AVOIDABLE_INJURY;
 use crate::tables::{Cell, Metric};
 
 /// The scale of a campaign's rates: in each setting the rate of a driver that sees no pedestrians; without one, the highest rate of the others.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Scale<'a> {
     drivers: &'a [DriverResult],
     cells: &'a [Cell],
     searches: &'a [SearchCell],
     blind: Option<&'a str>,
+    /// The cells of each setting, by its key without a driver.
+    settings: BTreeMap<CellKey, Vec<usize>>,
 }
 
 /// A figure of the searches of a driver.
@@ -20,7 +23,11 @@ impl<'a> Scale<'a> {
     pub fn new(drivers: &'a [DriverResult], cells: &'a [Cell], searches: &'a [SearchCell]) -> Self {
         let mut blind = drivers.iter().filter(|result| result.driver.sees_no_pedestrians());
         let blind = blind.clone().find(|result| result.cell.is_some()).or_else(|| blind.next());
-        Self { drivers, cells, searches, blind: blind.map(|result| result.driver.name.as_str()) }
+        let mut settings: BTreeMap<CellKey, Vec<usize>> = BTreeMap::new();
+        for (place, cell) in cells.iter().enumerate() {
+            settings.entry(setting(cell)).or_default().push(place);
+        }
+        Self { drivers, cells, searches, blind: blind.map(|result| result.driver.name.as_str()), settings }
     }
 
     /// The name of the driver that sees no pedestrians; `None` without one.
@@ -35,8 +42,8 @@ impl<'a> Scale<'a> {
 
     /// The drivers in the setting of a cell: the same town, controller and body.
     fn peers(&self, cell: &Cell) -> impl Iterator<Item = &'a Cell> {
-        let key = cell.key.clone();
-        self.cells.iter().filter(move |other| other.key.is_beside(&key) && other.key.has_controller_of(&key))
+        let places = self.settings.get(&setting(cell)).map_or(&[][..], Vec::as_slice);
+        places.iter().map(|place| &self.cells[*place])
     }
 
     /// The ends of the scale in the setting of a cell: the lowest rate, and that of the driver that sees no pedestrians, or the highest; `None` for a driver
@@ -90,10 +97,14 @@ impl<'a> Scale<'a> {
     }
 }
 
+/// The key of a cell without its driver.
+fn setting(cell: &Cell) -> CellKey {
+    CellKey { policy: String::new(), ..cell.key.clone() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::CellKey;
     use crate::report::Rate;
     use crate::tables::metrics::FAULT_RATE;
     use base::signature::Arguments;
