@@ -6,10 +6,10 @@ use polars::prelude::{
 
 use super::Findings;
 use super::aggregate::{CellRequirement, Counted, GATED, ProtocolCell, passed_share, score};
-use super::infer::{BEATS_UNTRAINED, CellEvidence, Figure, IMPACT_SPEED_P90, reference_rates};
+use super::infer::{BEATS_UNTRAINED, CellEvidence, IMPACT_SPEED_P90, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key};
-use crate::tables::metrics::IMPACT_SPEED;
+use crate::tables::metrics::{IMPACT_SPEED, inferred};
 use crate::tables::{Cells, IS_OF_CASES, cell_columns, key_columns};
 use base::statistics::wilson;
 use world::judge::Reference;
@@ -78,8 +78,8 @@ fn beside(left: DataFrame, right: DataFrame) -> PolarsResult<DataFrame> {
 fn evidence_table<'a>() -> Table<'a, CellEvidence> {
     type Row = CellEvidence;
     let mut table = Table::new("evidence", "").columns(cell_key(|row: &Row| &row.key));
-    for figure in Figure::ALL {
-        table = table.columns(interval(figure.name(), "student", move |row: &Row| row.between(figure).interval));
+    for metric in inferred() {
+        table = table.columns(interval(metric.name, "student", move |row: &Row| row.between(metric)?.interval));
     }
     let p90 = IMPACT_SPEED_P90.of(|row: &Row| row.impact_speed_p90.0);
     table = table.column(p90.of_figure(IMPACT_SPEED.name, Role::Plain));

@@ -5,7 +5,7 @@ use polars::prelude::DataFrame;
 use super::Findings;
 use super::aggregate::{CellRequirement, Counted, SearchCell, search_cell_table};
 use super::cell_table::applied_to;
-use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, reference_rates};
+use super::infer::{CellEvidence, IMPACT_SPEED_P90, Learning, reference_rates};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Role, Table, TableReference, cell_key};
 use crate::tables::metrics::{EPISODE_REWARD, EPISODES, MEAN, RUNS};
 use crate::tables::{self, Cell, Metric};
@@ -108,17 +108,16 @@ fn of_metric<'a>(metric: &Metric, cell: &'a Cell, evidence: Option<&CellEvidence
         return rows.push(row(cell.count(&EPISODES), Some(f64::from(cell.count(metric)))));
     }
     let average = cell.rate(metric);
-    let figure = Figure::ALL.into_iter().find(|figure| figure.name() == metric.name);
-    let across = figure.and_then(|figure| evidence?.between(figure).interval);
+    let across = evidence.and_then(|found| found.between(metric)?.interval);
     let student = across.filter(|_| !cell.is_of_cases());
     let of_runs = Row { by_run: average.by_run, ..row(cell.runs(), average.value) };
-    if metric.is_share {
+    if metric.is_share() {
         let (of, ends) = (cell.whole(metric).into(), average.interval);
         rows.push(Row { of, ends, interval: wilson_of(ends), ..of_runs.clone() });
     }
     if student.is_some() {
         rows.push(Row { ends: student, interval: "student", ..of_runs });
-    } else if !metric.is_share {
+    } else if !metric.is_share() {
         rows.push(of_runs);
     }
 }

@@ -48,7 +48,7 @@ pub use distinct::{DistinctFailure, MAX_SHRUNK, first_of_each};
 pub use failure_change::{FailureChange, SideCollision, SideEnd};
 pub use failure_table::{ListedFailure, failure_list, failure_table, read_failures};
 pub use findings::Findings;
-pub use infer::{BeatsUntrained, Doubt, Figure, Learning, Reason, Untrained, doubts};
+pub use infer::{BeatsUntrained, Doubt, Learning, Reason, Untrained, doubts};
 pub use metric_table::{METRICS, metric_references};
 
 // Reports side by side, and old failures with a new driver.

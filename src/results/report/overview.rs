@@ -6,7 +6,7 @@ use super::{Doubt, DriverResult, SearchCell};
 use crate::record::columns::WORLD;
 use crate::record::{Column, Table, in_block};
 use crate::tables::Cell;
-use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE, PREVENTABLE_RATE};
+use crate::tables::metrics::compared;
 use compile::HERE;
 
 /// The results of a report for an overview.
@@ -171,7 +171,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         Found::Evaluated(cell) => u64::from(cell.runs()),
         Found::Searched(cell) => cell.runs as u64,
     }));
-    for metric in [&FAULT_RATE, &PREVENTABLE_RATE, &COLLISION_RATE] {
+    for metric in compared().rev() {
         let name = metric.name;
         let of = move |row: &Row<'a>| cell(row).map(|cell| cell.rate(metric));
         let sd = number("", "", "its standard deviation over runs; missing for one");
@@ -232,6 +232,7 @@ mod tests {
     use super::*;
     use crate::record::CellKey;
     use crate::report::{Method, Rate};
+    use crate::tables::metrics::COLLISION_RATE;
 
     #[test]
     fn each_controller_of_each_value_has_a_row_with_its_spread() {

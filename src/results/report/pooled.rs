@@ -1,10 +1,10 @@
 //! Reports of one campaign at several seeds, pooled.
 
 use super::overview::{Found, Overview, OverviewRow};
-use super::{Method, Rate, SearchCell};
+use super::{Method, Rate};
 use crate::record::CellKey;
 use crate::tables::Metric;
-use crate::tables::metrics::{COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
+use crate::tables::metrics::{EPISODES, FAULT_RATE, compared};
 use base::statistics::mean_p;
 
 /// The setting that tells the seeds of a call apart.
@@ -20,16 +20,6 @@ pub struct Pooled<'a> {
     /// The place of the seed among the parameters.
     seed: usize,
 }
-
-/// A figure: its heading, and what it is of a controller and of a falsifier.
-type FigureOf = (&'static str, &'static Metric, fn(&SearchCell) -> Option<&Rate>);
-
-/// The figures that are pooled.
-pub const FIGURES: [FigureOf; 3] = [
-    ("fault", &FAULT_RATE, |cell| Some(&cell.fault_start_rate)),
-    ("preventable", &PREVENTABLE_RATE, |_| None),
-    ("collision", &COLLISION_RATE, |_| None),
-];
 
 impl<'a> Pooled<'a> {
     /// Pools the rows that differ in the seed alone; empty for a single seed.
@@ -94,8 +84,8 @@ impl<'a> Pooled<'a> {
     }
 
     /// A figure over the seeds, with Student's interval from four on.
-    pub fn figure(&self, figure: &FigureOf) -> Rate {
-        Rate::student(self.runs().iter().map(|row| of_row(row, figure)), 1.0)
+    pub fn figure(&self, metric: &Metric) -> Rate {
+        Rate::student(self.runs().iter().map(|row| of_row(row, metric)), 1.0)
     }
 
     /// The number of episodes of its controller over the seeds; `None` for a search.
@@ -109,7 +99,7 @@ impl<'a> Pooled<'a> {
 
     /// The rows that are runs of their own: fixed cases that end alike at every seed are one.
     pub fn runs(&self) -> &[&'a OverviewRow<'a>] {
-        let figures = |row: &OverviewRow<'_>| FIGURES.each_ref().map(|figure| of_row(row, figure));
+        let figures = |row: &OverviewRow<'_>| compared().map(|metric| of_row(row, metric)).collect::<Vec<_>>();
         let is_fixed = |row: &OverviewRow<'_>| matches!(row.found, Found::Evaluated(cell) if cell.is_of_cases());
         let first = self.rows[0];
         let are_one = self.rows.iter().all(|row| is_fixed(row) && figures(row) == figures(first));
@@ -117,28 +107,28 @@ impl<'a> Pooled<'a> {
     }
 
     /// The difference to another controller or falsifier there, seed by seed.
-    pub fn difference(&self, beside: &Self, figure: &FigureOf) -> Rate {
+    pub fn difference(&self, beside: &Self, metric: &Metric) -> Rate {
         let same = |row: &&OverviewRow<'_>| {
             beside.rows.iter().find(|other| other.values[self.seed] == row.values[self.seed]).copied()
         };
         let runs = if beside.runs().len() < beside.rows.len() { self.runs() } else { &self.rows[..] };
         let pairs = runs.iter().filter_map(|row| Some([*row, same(row)?]));
-        let difference = |[own, other]: [&OverviewRow<'_>; 2]| Some(of_row(own, figure)? - of_row(other, figure)?);
+        let difference = |[own, other]: [&OverviewRow<'_>; 2]| Some(of_row(own, metric)? - of_row(other, metric)?);
         let differences: Vec<f64> = pairs.filter_map(difference).collect();
         let interval = base::statistics::mean_interval(&differences).1;
         Rate::of_runs(differences).within(interval, Method::Student)
     }
 
     /// The probability of such differences if there is none in truth (Student's, two-sided); `None` for one seed and two.
-    pub fn p(&self, beside: &Self, figure: &FigureOf) -> Option<f64> {
-        mean_p(&self.difference(beside, figure).by_run)
+    pub fn p(&self, beside: &Self, metric: &Metric) -> Option<f64> {
+        mean_p(&self.difference(beside, metric).by_run)
     }
 }
 
-/// The figure of a row.
-fn of_row(row: &OverviewRow<'_>, (_, metric, of_search): &FigureOf) -> Option<f64> {
+/// A metric in a row; of a search, the share of its starts with a fault stands for the share of episodes with one.
+fn of_row(row: &OverviewRow<'_>, metric: &Metric) -> Option<f64> {
     match row.found {
         Found::Evaluated(cell) => cell.value(metric),
-        Found::Searched(cell) => of_search(cell)?.value,
+        Found::Searched(cell) => cell.fault_start_rate.value.filter(|_| *metric == FAULT_RATE),
     }
 }

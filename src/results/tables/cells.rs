@@ -54,7 +54,7 @@ impl Cells {
         let groups: Vec<Expr> =
             keys.iter().map(String::as_str).chain([IS_OF_CASES.name, IS_COPY.name]).map(col).collect();
         let mut table = runs.clone().lazy().group_by_stable(groups).agg(aggregates()).collect()?;
-        for metric in METRICS.into_iter().filter(|metric| metric.is_share) {
+        for metric in METRICS.into_iter().filter(|metric| metric.is_share()) {
             let ends = intervals(&table, metric)?;
             for (name, place) in [("low", 0), ("high", 1)] {
                 let end: Vec<Option<f64>> = ends.iter().map(|ends| ends.map(|ends| [ends.0, ends.1][place])).collect();
@@ -166,7 +166,7 @@ pub fn cell_columns() -> Vec<ColumnReference> {
         };
         all.push(ColumnReference { doc: MEAN.doc().into(), ..of(MEAN.name(metric.name), own.role) });
         all.push(of(format!("{}_sd", metric.name), Role::Deviation));
-        if metric.is_share {
+        if metric.is_share() {
             all.push(of(format!("{}_wilson_low", metric.name), Role::LowerBound));
             all.push(of(format!("{}_wilson_high", metric.name), Role::UpperBound));
         }

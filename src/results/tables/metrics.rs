@@ -23,8 +23,21 @@ pub struct Metric {
     pub part: fn() -> Expr,
     /// The count that it is a ratio to.
     pub whole: Option<&'static Metric>,
-    /// Whether it is a ratio of two counts, which has Wilson's interval.
-    pub is_share: bool,
+    /// The count that a share is a part of; `None` of other metrics. A share has Wilson's interval.
+    pub counted: Option<&'static Metric>,
+    /// What is inferred of it beyond the episodes of a cell.
+    pub inference: Inference,
+}
+
+/// What is inferred of a metric from the runs of a cell and from cells with common starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Inference {
+    #[default]
+    None,
+    /// Student's interval about further trainings.
+    Trainings,
+    /// The same, and comparisons of pedestrians, of drivers and of reports.
+    Pairs,
 }
 
 /// All metrics, in the order of their tables.
@@ -69,21 +82,63 @@ pub(super) const HIDDEN: [&Metric; 1] = [&LANE_EPISODES];
 
 impl Metric {
     const fn count(name: &'static str, doc: &'static str, part: fn() -> Expr) -> Self {
-        Self { name, unit: "", doc, role: Role::Plain, part, whole: None, is_share: false }
+        Self { name, unit: "", doc, role: Role::Plain, part, whole: None, counted: None, inference: Inference::None }
     }
 
     const fn share(name: &'static str, part: &'static Self, whole: &'static Self, doc: &'static str) -> Self {
-        Self { name, unit: "", doc, role: Role::Share, part: part.part, whole: Some(whole), is_share: true }
+        Self {
+            name,
+            unit: "",
+            doc,
+            role: Role::Share,
+            part: part.part,
+            whole: Some(whole),
+            counted: Some(part),
+            inference: Inference::None,
+        }
     }
 
     /// The mean of a column over these episodes; a missing value counts as 0.
     const fn mean(column: &Column<f64>, part: fn() -> Expr, whole: &'static Self, doc: &'static str) -> Self {
-        Self { name: column.name, unit: column.unit, doc, role: column.role, part, whole: Some(whole), is_share: false }
+        Self {
+            name: column.name,
+            unit: column.unit,
+            doc,
+            role: column.role,
+            part,
+            whole: Some(whole),
+            counted: None,
+            inference: Inference::None,
+        }
     }
 
     /// Whether it is a number of episodes.
     pub const fn is_count(&self) -> bool {
         self.whole.is_none()
+    }
+
+    /// With more inferred of it.
+    const fn inferring(self, inference: Inference) -> Self {
+        Self { inference, ..self }
+    }
+
+    /// Whether it is a ratio of two counts, which has Wilson's interval.
+    pub const fn is_share(&self) -> bool {
+        self.counted.is_some()
+    }
+
+    /// Between what its values lie: a share from 0 to 1, what has a unit from 0 on.
+    pub const fn bounds(&self) -> (f64, f64) {
+        match self.counted {
+            Some(_) => (0.0, 1.0),
+            None if self.unit.is_empty() => (f64::NEG_INFINITY, f64::INFINITY),
+            None => (0.0, f64::INFINITY),
+        }
+    }
+
+    /// What it is a rate of, for people: `fault` of `fault_rate`.
+    pub fn word(&self) -> &'static str {
+        self.name.trim_end_matches("_rate")
     }
 
     /// Whether it has no value without a touch.
@@ -96,6 +151,24 @@ impl Metric {
         let Self { name, unit, doc, role, .. } = *self;
         ColumnReference { name: name.into(), unit: unit.into(), doc: doc.into(), holds, role, figure: name.into() }
     }
+}
+
+impl PartialEq for Metric {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Metric {}
+
+/// The metrics with intervals about further trainings, in the order of [`METRICS`].
+pub fn inferred() -> impl Iterator<Item = &'static Metric> {
+    METRICS.into_iter().filter(|metric| metric.inference != Inference::None)
+}
+
+/// The metrics in which pedestrians, drivers and reports are compared.
+pub fn compared() -> impl DoubleEndedIterator<Item = &'static Metric> {
+    METRICS.into_iter().filter(|metric| metric.inference == Inference::Pairs)
 }
 
 /// Episodes without error.
@@ -200,24 +273,29 @@ pub const COLLISION_RATE: Metric = Metric::share(
     &COLLISIONS,
     &EPISODES,
     "collisions of all *episodes*; bumps do not count (the paper's moving CR)",
-);
+)
+.inferring(Inference::Pairs);
 pub const TOUCH_RATE: Metric =
-    Metric::share("touch_rate", &TOUCHES, &EPISODES, "collisions and bumps of all *episodes* (the paper's CR)");
+    Metric::share("touch_rate", &TOUCHES, &EPISODES, "collisions and bumps of all *episodes* (the paper's CR)")
+        .inferring(Inference::Trainings);
 pub const FRONT_RATE: Metric = Metric::share(
     "front_rate",
     &FRONT_TOUCHES,
     &TOUCHES,
     "collisions and bumps in the front sector of *all of them* (the paper's front CR); missing without any",
-);
+)
+.inferring(Inference::Trainings);
 pub const PREVENTABLE_RATE: Metric =
-    Metric::share("preventable_rate", &PREVENTABLE_COLLISIONS, &EPISODES, "preventable collisions of all *episodes*");
+    Metric::share("preventable_rate", &PREVENTABLE_COLLISIONS, &EPISODES, "preventable collisions of all *episodes*")
+        .inferring(Inference::Pairs);
 pub const PREVENTABLE_SHARE: Metric = Metric::share(
     "preventable_share",
     &PREVENTABLE_COLLISIONS,
     &COLLISIONS,
     "preventable collisions of all *collisions*; missing without any collision",
 );
-pub const FAULT_RATE: Metric = Metric::share("fault_rate", &FAULT_COLLISIONS, &EPISODES, "faults of all *episodes*");
+pub const FAULT_RATE: Metric =
+    Metric::share("fault_rate", &FAULT_COLLISIONS, &EPISODES, "faults of all *episodes*").inferring(Inference::Pairs);
 pub const PLACED_RATE: Metric = Metric::share(
     "placed_rate",
     &PLACED_STARTS,
@@ -238,19 +316,22 @@ pub const EPISODE_REWARD: Metric = Metric::mean(
     || of(counts(), &columns::EPISODE_REWARD),
     &EPISODES,
     "mean reward of an episode",
-);
+)
+.inferring(Inference::Trainings);
 pub const EPISODE_LENGTH: Metric = Metric::mean(
     &columns::EPISODE_LENGTH,
     || of(counts(), &columns::EPISODE_LENGTH),
     &EPISODES,
     "mean length of an episode",
-);
+)
+.inferring(Inference::Trainings);
 pub const IMPACT_SPEED: Metric = Metric::mean(
     &columns::IMPACT_SPEED,
     || of(collided(), &columns::IMPACT_SPEED),
     &COLLISIONS,
     "mean speed of the car at a collision",
-);
+)
+.inferring(Inference::Trainings);
 pub const EXPECTED_PREVENTABLE: Metric = Metric {
     name: "expected_preventable",
     ..Metric::mean(

@@ -135,7 +135,7 @@ pub fn gather(
             }
             runs.add(&part).map_err(failed)?;
             if part.height() > 0 {
-                evidence.add(&run.key, &episodes);
+                evidence.add(&run.key, &part).map_err(failed)?;
             }
             if is_copy {
                 continue;

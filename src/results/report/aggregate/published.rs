@@ -1,7 +1,8 @@
 use super::Rate;
 use crate::record::CellKey;
-use crate::report::{CellEvidence, Figure};
-use crate::tables::Cell;
+use crate::report::CellEvidence;
+use crate::tables::metrics::inferred;
+use crate::tables::{Cell, Metric};
 use base::statistics::{MIN_RUNS, Uncertainty};
 use compile::{Published, PublishedCell, PublishedFigure};
 
@@ -75,7 +76,7 @@ fn compare<'a>(
     evidence: Option<&CellEvidence>,
 ) -> PublishedComparison<'a> {
     let figure = figure(published.column).expect("checked: every published figure is one of a cell");
-    let ours = cell.rate(figure.metric());
+    let ours = cell.rate(figure);
     let difference = ours.value.map(|mean| mean - published.mean);
     let here = evidence.and_then(|found| found.uncertainty(figure));
     let there = published.sd.and_then(|sd| Uncertainty::of_mean(sd.max(ROUNDED_AWAY), table.runs));
@@ -97,8 +98,8 @@ fn compare<'a>(
 }
 
 /// The figure that a published one is compared with, by its column without `_mean`.
-fn figure(column: &str) -> Option<Figure> {
-    Figure::ALL.into_iter().find(|figure| figure.name() == column)
+fn figure(column: &str) -> Option<&'static Metric> {
+    inferred().find(|metric| metric.name == column)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::grouped::grouped;
-use crate::report::infer::{EvaluatedRun, Figure, MAX_KEPT, compare_pair};
+use crate::report::infer::{EvaluatedRun, MAX_KEPT, compare_pair};
 use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{FailureChange, ReadError, SideCollision, SideEnd};
 use world::judge::Label;
@@ -188,7 +188,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                         }
                     };
                     let sides = [of(0), of(1)];
-                    (0..2).for_each(|side| runs[side].add_events(start, sides[side]));
+                    (0..2).for_each(|side| runs[side].add_events(start, &sides[side]));
                     here.extend((0..KINDS).map(|event| sides.map(|side| side[event])));
                 }
                 let worse = match ends.each_ref().map(|(_, failure)| failure.map(SideCollision::from)) {
@@ -263,7 +263,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
 }
 
 /// Number of events that are counted of a failure: collisions or violations, the preventable ones, and the faults.
-const KINDS: usize = Figure::COMPARED.len();
+const KINDS: usize = 3;
 
 /// The controllers of a driver in a place.
 #[derive(Debug, Default)]

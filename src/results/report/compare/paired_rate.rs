@@ -1,47 +1,49 @@
 use std::collections::BTreeMap;
 
-use crate::report::Figure;
 use crate::report::infer::Comparison;
+use crate::tables::Metric;
+use crate::tables::metrics::{COLLISION_RATE, IMPACT_SPEED, compared};
 use base::statistics::{disagreement, holm, mcnemar, mean_disagreement, mean_interval_at, mean_p, sign_flip};
 
 /// What is counted in a pair of episodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CountedEvent {
     /// Collisions, the preventable ones, or the faults; the impact speed in [`CountedEvent::WORSE`].
-    pub figure: Figure,
+    pub figure: &'static Metric,
     /// The requirement whose violations are counted; `None` for collisions.
     pub requirement: Option<String>,
 }
 
 impl CountedEvent {
     /// A collision of both sides that is worse on one.
-    pub const WORSE: Self = Self { figure: Figure::ImpactSpeed, requirement: None };
+    pub const WORSE: Self = Self { figure: &IMPACT_SPEED, requirement: None };
 
     /// Those of episodes, then those of each requirement, then [`CountedEvent::WORSE`].
     pub fn all<'a>(requirements: impl Iterator<Item = &'a String>) -> Vec<Self> {
-        let of = |requirement: Option<&String>| {
-            Figure::COMPARED.map(|figure| Self { figure, requirement: requirement.cloned() })
+        let kinds = std::iter::once(None).chain(requirements.map(|name| Some(name.clone())));
+        let of = |requirement: Option<String>| {
+            compared().map(move |figure| Self { figure, requirement: requirement.clone() })
         };
-        std::iter::once(None).chain(requirements.map(Some)).flat_map(of).chain([Self::WORSE]).collect()
+        kinds.flat_map(of).chain([Self::WORSE]).collect()
     }
 
     /// The start of the columns of its rate.
     pub fn rate(&self) -> String {
-        match (&self.requirement, self.figure) {
-            (None, Figure::ImpactSpeed) => "worse_rate".into(),
-            (None, figure) => figure.name().into(),
-            (Some(name), Figure::Collision) => format!("violation_rate({name})"),
-            (Some(name), figure) => format!("{}({name})", figure.name()),
+        match &self.requirement {
+            None if *self.figure == IMPACT_SPEED => "worse_rate".into(),
+            None => self.figure.name.into(),
+            Some(name) if *self.figure == COLLISION_RATE => format!("violation_rate({name})"),
+            Some(name) => format!("{}({name})", self.figure.name),
         }
     }
 
     /// The start of the columns of its number.
     pub fn number(&self) -> String {
-        let word = match self.figure {
-            Figure::Preventable => "preventable",
-            Figure::Fault => "fault",
-            _ if self.requirement.is_none() => "collisions",
-            _ => "",
+        let is_of_any = [COLLISION_RATE, IMPACT_SPEED].contains(self.figure);
+        let word = match &self.requirement {
+            None if is_of_any => "collisions",
+            Some(_) if is_of_any => "",
+            _ => self.figure.name.trim_end_matches("_rate"),
         };
         match &self.requirement {
             None => word.into(),
@@ -52,7 +54,7 @@ impl CountedEvent {
 
     /// Whether it is of violations of any kind.
     pub fn is_violation(&self) -> bool {
-        self.requirement.is_some() && self.figure == Figure::Collision
+        self.requirement.is_some() && *self.figure == COLLISION_RATE
     }
 }
 

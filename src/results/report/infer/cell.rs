@@ -1,8 +1,12 @@
+use std::collections::BTreeMap;
+
 use super::evaluated_run::EvaluatedRun;
 use super::place::{Measured, Place};
-use super::{Figure, Learning, reference_rates};
+use super::{Learning, reference_rates};
 use crate::record::{CellKey, ColumnReference};
 use crate::report::aggregate::{Method, Rate};
+use crate::tables::Metric;
+use crate::tables::metrics::EPISODE_REWARD;
 use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, bounded_interval, quantile};
 use world::judge::Reference;
 
@@ -14,10 +18,10 @@ pub struct CellEvidence {
     pub episodes: ClusteredCount,
     /// Collisions of all runs.
     pub collisions: ClusteredCount,
-    /// The figures over trainings with Student's interval, in the order of [`Figure::ALL`].
-    pub between: [Rate; Figure::ALL.len()],
-    /// The standard errors of these about further trainings and episodes; `None` for a single training.
-    pub uncertainties: [Option<Uncertainty>; Figure::ALL.len()],
+    /// The [inferred](crate::tables::metrics::inferred) metrics over trainings with Student's interval, by their names.
+    pub between: BTreeMap<&'static str, Rate>,
+    /// The standard errors of these about further trainings and episodes; none for a single training.
+    pub uncertainties: BTreeMap<&'static str, Uncertainty>,
     /// 90th percentile of the impact speeds (m/s), and the number of collisions that it is of; `None` without a collision.
     pub impact_speed_p90: (Option<f64>, u64),
     /// The number of collisions that each reference driver avoids, in the order of [`Reference::ALL`].
@@ -29,7 +33,7 @@ pub struct CellEvidence {
 }
 
 impl CellEvidence {
-    /// Gathers a cell of a place; its figures are [measured](Self::measure) one by one.
+    /// Gathers a cell of a place; its metrics are [measured](Self::measure) one by one.
     pub(super) fn new(place: &Place, cell: usize) -> Self {
         let runs = place.runs(cell);
         // Its runs share their starts, so a start counts once.
@@ -54,31 +58,31 @@ impl CellEvidence {
 
     /// Adds a figure of this cell of a place.
     pub(super) fn measure(&mut self, place: &Place, measured: &Measured, cell: usize) {
-        let figure = measured.figure;
+        let metric = measured.metric;
         let runs = &measured.runs[place.cells[cell].clone()];
         let by_run: Vec<f64> = runs.iter().flatten().map(|(value, _)| *value).collect();
         let sample = place.sample(measured, cell, None);
-        self.uncertainties[figure as usize] = sample.as_ref().and_then(Sample::uncertainty);
+        self.uncertainties.extend(sample.as_ref().and_then(Sample::uncertainty).map(|found| (metric.name, found)));
         // One run says nothing of further ones, and two or three next to nothing.
         let interval = sample.as_ref().filter(|_| runs.len() >= MIN_RUNS).and_then(Sample::interval);
         let interval = sample
             .as_ref()
             .zip(interval)
-            .map(|(sample, (low, high))| bounded_interval(sample.estimate(), (high - low) / 2.0, figure.bounds()));
-        self.between[figure as usize] = Rate::of_runs(by_run).within(interval, Method::Student);
-        if figure == Figure::Reward {
+            .map(|(sample, (low, high))| bounded_interval(sample.estimate(), (high - low) / 2.0, metric.bounds()));
+        self.between.insert(metric.name, Rate::of_runs(by_run).within(interval, Method::Student));
+        if *metric == EPISODE_REWARD {
             self.learning = Learning::new(place, measured, cell);
         }
     }
 
-    /// A figure over trainings.
-    pub fn between(&self, figure: Figure) -> &Rate {
-        &self.between[figure as usize]
+    /// A metric over trainings; `None` if nothing is inferred of it.
+    pub fn between(&self, metric: &Metric) -> Option<&Rate> {
+        self.between.get(metric.name)
     }
 
-    /// The standard error of a figure about further trainings and episodes; `None` for a single training.
-    pub fn uncertainty(&self, figure: Figure) -> Option<Uncertainty> {
-        self.uncertainties[figure as usize]
+    /// The standard error of a metric about further trainings and episodes; `None` for a single training.
+    pub fn uncertainty(&self, metric: &Metric) -> Option<Uncertainty> {
+        self.uncertainties.get(metric.name).copied()
     }
 
     /// The number of collisions that a reference driver would not have avoided.

@@ -1,6 +1,6 @@
-use super::Figure;
 use super::place::{Measured, Place};
 use crate::record::CellKey;
+use crate::tables::Metric;
 use base::choice;
 use base::statistics::{MIN_RUNS, Uncertainty, disagreement, holm, mcnemar};
 
@@ -24,7 +24,7 @@ pub struct Comparison {
     /// The second, which is subtracted.
     pub second: CellKey,
     /// The compared figure.
-    pub figure: Figure,
+    pub figure: &'static Metric,
     /// The number of runs of both.
     pub runs: [u64; 2],
     /// The number of starts of each run.
@@ -102,7 +102,7 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
 
 /// Compares two cells of a place; `None` if one of them has no value.
 pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize)) -> Option<Comparison> {
-    let figure = measured.figure;
+    let figure = measured.metric;
     let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);
     let drivers = ours.key.policy != theirs.key.policy;
     let (sample, values, runs) = if drivers {

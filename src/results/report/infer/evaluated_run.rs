@@ -1,21 +1,38 @@
-use super::Figure;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use polars::prelude::{DataFrame, DataType, Expr, IntoLazy, PolarsResult};
+
 use crate::record::{CellKey, EpisodeTable, RunKey};
+use crate::tables::Metric;
+use crate::tables::metrics::{COLLISIONS, EPISODES, compared, inferred};
 use base::statistics::ClusteredCount;
-use world::judge::{Label, Reference};
+use world::judge::Reference;
 
 /// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count only in
 /// sums, so memory does not grow with them. With this number, an error is known to 0.3 %.
 pub const MAX_KEPT: usize = 100_000;
 
-/// The flags of an episode, in a byte.
-mod is {
-    pub const VALID: u8 = 1;
-    pub const TOUCH: u8 = 2;
-    pub const FRONT: u8 = 4;
-    pub const COLLISION: u8 = 8;
-    pub const PREVENTABLE: u8 = 16;
-    pub const FAULT: u8 = 32;
-    pub const ALL: [u8; 6] = [VALID, TOUCH, FRONT, COLLISION, PREVENTABLE, FAULT];
+/// The counts that inference needs, each with a flag of an episode.
+static FLAGS: LazyLock<BTreeMap<&str, (u16, &Metric)>> = LazyLock::new(|| {
+    let parts = inferred().filter_map(|metric| metric.counted);
+    let wholes = inferred().filter_map(|metric| metric.whole);
+    let mut all = BTreeMap::new();
+    for count in [&EPISODES, &COLLISIONS].into_iter().chain(parts).chain(wholes) {
+        let next = 1 << all.len();
+        all.entry(count.name).or_insert((next, count));
+    }
+    all
+});
+
+/// The flag of a count.
+fn flag(count: &Metric) -> u16 {
+    FLAGS.get(count.name).map_or(0, |(flag, _)| *flag)
+}
+
+/// The means that inference needs.
+fn means() -> impl Iterator<Item = &'static Metric> {
+    inferred().filter(|metric| !metric.is_share())
 }
 
 /// A quantity of episodes.
@@ -42,12 +59,12 @@ pub struct EvaluatedRun {
     most: usize,
     /// The number of episodes, errors included.
     size: usize,
-    /// The number of episodes with each flag, over all episodes.
-    counts: [ClusteredCount; 6],
+    /// The number of episodes of each count, over all episodes.
+    counts: BTreeMap<&'static str, ClusteredCount>,
     /// Flags of the kept episodes.
-    flags: Vec<u8>,
-    /// Rewards, lengths and impact speeds of the episodes.
-    quantities: [Quantity; 3],
+    flags: Vec<u16>,
+    /// The quantities of the means, in the order of [`means`].
+    quantities: Vec<Quantity>,
 }
 
 impl EvaluatedRun {
@@ -61,65 +78,68 @@ impl EvaluatedRun {
             needless: Default::default(),
             most: kept,
             size: 0,
-            counts: Default::default(),
+            counts: BTreeMap::new(),
             flags: Vec::new(),
-            quantities: std::array::from_fn(|_| Quantity { sum: -0.0, kept: Vec::new() }),
+            quantities: means().map(|_| Quantity { sum: -0.0, kept: Vec::new() }).collect(),
         }
     }
 
-    /// Adds the episodes in these rows of a table of the run, which are in ascending order.
-    pub fn add(&mut self, table: &EpisodeTable<'_>, rows: &[usize]) {
-        let run = self;
-        run.size = rows.iter().map(|row| table.episode(*row) as usize + 1).max().unwrap_or(0).max(run.size);
-        let (kept, here) = (run.most, run.size.min(run.most));
-        run.flags.resize(here, 0);
-        run.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(here, 0.0));
-        for row in rows.iter().copied().filter(|row| table.counts(*row)) {
-            let episode = table.episode(row) as usize;
-            let (touch, collision) = (table.is_touch(row), table.is_collision(row));
-            let flag = |holds: bool, flag: u8| if holds { flag } else { 0 };
-            let known = is::VALID
-                | flag(touch, is::TOUCH)
-                | flag(table.is_front(row), is::FRONT)
-                | flag(collision, is::COLLISION)
-                | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE)
-                | flag(table.is_fault(row), is::FAULT);
-            // In the order of `quantity`.
-            let impact_speed = table.impact_speed(row).filter(|_| collision);
-            let values = [table.reward(row), table.length(row), impact_speed].map(Option::unwrap_or_default);
-            for (count, _) in run.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
-                *count += 1.into();
+    /// Adds the episodes of a table of the run, which are in ascending order.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table of episodes.
+    pub fn add(&mut self, rows: &DataFrame) -> PolarsResult<()> {
+        let table = EpisodeTable::new(rows)?;
+        self.size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0).max(self.size);
+        let kept = self.size.min(self.most);
+        self.flags.resize(kept, 0);
+        self.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(kept, 0.0));
+        let parts = FLAGS.values().map(|(_, count)| *count).chain(means());
+        let parts: Vec<Expr> = parts.map(|metric| (metric.part)().alias(metric.name)).collect();
+        let parts = rows.clone().lazy().select(parts).collect()?;
+        for (flag, count) in FLAGS.values() {
+            let holds = parts.column(count.name)?.bool()?;
+            let here = table.rows().filter(|row| holds.get(*row) == Some(true));
+            let mut counted = 0_u64;
+            for row in here {
+                counted += 1;
+                if let Some(known) = self.flags.get_mut(table.episode(row) as usize) {
+                    *known |= flag;
+                }
             }
-            for (quantity, value) in run.quantities.iter_mut().zip(values) {
+            *self.counts.entry(count.name).or_default() += counted.into();
+        }
+        for (quantity, mean) in self.quantities.iter_mut().zip(means()) {
+            let values = parts.column(mean.name)?.cast(&DataType::Float64)?;
+            let values = values.f64()?;
+            for row in table.rows() {
+                let value = values.get(row).unwrap_or_default();
                 quantity.sum += value;
-                if let Some(kept) = quantity.kept.get_mut(episode) {
+                if let Some(kept) = quantity.kept.get_mut(table.episode(row) as usize) {
                     *kept = value;
                 }
             }
-            if episode >= kept {
-                continue;
-            }
-            run.flags[episode] = known;
-            if collision {
-                run.impact_speeds.extend(impact_speed);
-            }
         }
-        let is_own = |row: &usize| rows.binary_search(row).is_ok();
+        let is_kept = |row: &usize| (table.episode(*row) as usize) < self.most;
+        let collided = table.rows().filter(|row| table.counts(*row) && table.is_collision(*row)).filter(is_kept);
+        self.impact_speeds.extend(collided.filter_map(|row| table.impact_speed(row)));
         for (place, reference) in Reference::ALL.into_iter().enumerate() {
-            run.avoided[place] += (table.avoided(reference).filter(is_own).count() as u64).into();
-            run.needless[place] += (table.needless(reference).filter(is_own).count() as u64).into();
+            self.avoided[place] += (table.avoided(reference).count() as u64).into();
+            self.needless[place] += (table.needless(reference).count() as u64).into();
         }
+        Ok(())
     }
 
-    /// Adds an episode with three events that stand for a collision, a preventable one and a fault.
-    pub fn add_events(&mut self, episode: u32, events: [bool; 3]) {
+    /// Adds an episode with an event for each of the [`compared`] metrics.
+    pub fn add_events(&mut self, episode: u32, events: &[bool]) {
         let place = episode as usize;
         self.size = self.size.max(place + 1);
         self.flags.resize(self.size.min(self.most), 0);
-        let flags = [is::COLLISION, is::PREVENTABLE, is::FAULT].into_iter().zip(events).filter(|(_, holds)| *holds);
-        let known = flags.fold(is::VALID, |known, (flag, _)| known | flag);
-        for (count, _) in self.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
-            *count += 1.into();
+        let parts = compared().filter_map(|metric| metric.counted).zip(events).filter(|(_, holds)| **holds);
+        let mut known = 0;
+        for count in std::iter::once(&EPISODES).chain(parts.map(|(count, _)| count)) {
+            known |= flag(count);
+            *self.counts.entry(count.name).or_default() += 1.into();
         }
         if let Some(kept) = self.flags.get_mut(place) {
             *kept = known;
@@ -128,76 +148,52 @@ impl EvaluatedRun {
 
     /// Episodes that the driver drove to their end.
     pub fn episodes(&self) -> ClusteredCount {
-        self.count(is::VALID)
+        self.count(&EPISODES)
     }
 
     pub fn collisions(&self) -> ClusteredCount {
-        self.count(is::COLLISION)
+        self.count(&COLLISIONS)
     }
 
-    fn count(&self, flag: u8) -> ClusteredCount {
-        is::ALL
-            .iter()
-            .zip(self.counts)
-            .find(|(known, _)| **known == flag)
-            .map_or_else(ClusteredCount::default, |(_, count)| count)
+    fn count(&self, count: &Metric) -> ClusteredCount {
+        self.counts.get(count.name).copied().unwrap_or_default()
     }
 
     /// The factor from kept episodes to all episodes, for quantities that two runs have in common.
-    pub fn stretch(&self, other: &Self) -> f64 {
+    pub fn scale_to_all(&self, other: &Self) -> f64 {
         let kept = self.flags.len().min(other.flags.len());
         self.size.min(other.size) as f64 / kept.max(1) as f64
     }
 
-    /// The number of pairs of equal, kept starts in which only this run had the event of the figure; and the number in which only the
+    /// The number of pairs of equal, kept starts in which only this run had the event that a share counts; and the number in which only the
     /// other run had it.
-    pub fn discordant(&self, other: &Self, figure: Figure) -> (u64, u64) {
-        let flag = part(figure);
-        let both = self.flags.iter().zip(&other.flags).filter(|(a, b)| **a & **b & is::VALID != 0);
-        both.fold((0, 0), |(only, others), (a, b)| match (a & flag != 0, b & flag != 0) {
+    pub fn discordant(&self, other: &Self, share: &Metric) -> (u64, u64) {
+        let (valid, event) = (flag(&EPISODES), share.counted.map_or(0, flag));
+        let both = self.flags.iter().zip(&other.flags).filter(|(a, b)| **a & **b & valid != 0);
+        both.fold((0, 0), |(only, others), (a, b)| match (a & event != 0, b & event != 0) {
             (true, false) => (only + 1, others),
             (false, true) => (only, others + 1),
             _ => (only, others),
         })
     }
 
-    /// A figure, and the influence of each kept episode on it, relative to its mean; `None` if it has no value.
-    pub fn influence(&self, figure: Figure) -> Option<(f64, Vec<f64>)> {
-        let whole = match figure {
-            Figure::Front => is::TOUCH,
-            Figure::ImpactSpeed => is::COLLISION,
-            _ => is::VALID,
-        };
-        let flag = part(figure);
-        let quantity = quantity(figure).map(|quantity| &self.quantities[quantity]);
+    /// A metric, and the influence of each kept episode on it, relative to its mean; `None` if it has no value.
+    pub fn influence(&self, metric: &Metric) -> Option<(f64, Vec<f64>)> {
+        let whole = metric.whole?;
         let count = self.count(whole).sum();
         if count == 0.0 {
             return None;
         }
+        let (whole, event) = (flag(whole), metric.counted.map_or(0, flag));
+        let quantity = means().position(|mean| mean == metric).map(|place| &self.quantities[place]);
         let value = |episode: usize| match quantity {
             Some(quantity) => quantity.kept[episode],
-            None => f64::from(u8::from(self.flags[episode] & flag != 0)),
+            None => f64::from(u8::from(self.flags[episode] & event != 0)),
         };
-        let counts = |episode: &usize| self.flags[*episode] & whole != 0;
-        let sum = quantity.map_or_else(|| self.count(flag).sum(), |quantity| quantity.sum);
-        let mean = sum / count;
-        let pull = |episode| if counts(&episode) { (value(episode) - mean) / count } else { 0.0 };
-        Some((mean, (0..self.flags.len()).map(pull).collect()))
+        let counted = || metric.counted.map_or(0.0, |count| self.count(count).sum());
+        let mean = quantity.map_or_else(counted, |quantity| quantity.sum) / count;
+        let influence =
+            |episode: usize| if self.flags[episode] & whole != 0 { (value(episode) - mean) / count } else { 0.0 };
+        Some((mean, (0..self.flags.len()).map(influence).collect()))
     }
-}
-
-/// The flag of the episodes that count for a rate.
-fn part(figure: Figure) -> u8 {
-    match figure {
-        Figure::Collision | Figure::Reward | Figure::Length | Figure::ImpactSpeed => is::COLLISION,
-        Figure::Touch => is::TOUCH,
-        Figure::Front => is::FRONT,
-        Figure::Preventable => is::PREVENTABLE,
-        Figure::Fault => is::FAULT,
-    }
-}
-
-/// The place of a figure among the quantities; `None` for a rate.
-fn quantity(figure: Figure) -> Option<usize> {
-    [Figure::Reward, Figure::Length, Figure::ImpactSpeed].iter().position(|quantity| *quantity == figure)
 }

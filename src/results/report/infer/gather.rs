@@ -1,9 +1,11 @@
 use super::cell::CellEvidence;
 use super::comparison::{Comparison, adjust, compare, pairs};
 use super::evaluated_run::{EvaluatedRun, MAX_KEPT};
+use super::learning;
 use super::place::Place;
-use super::{Figure, learning};
-use crate::record::{EpisodeTable, RunKey};
+use crate::record::RunKey;
+use crate::tables::metrics::{Inference, inferred};
+use polars::prelude::{DataFrame, PolarsResult};
 
 /// The evidence of a campaign's results, in addition to means.
 #[derive(Debug, Clone, Default)]
@@ -39,12 +41,15 @@ impl Gathering {
     }
 
     /// Adds the episodes of a run or of a part of it. The parts of a run follow each other.
-    pub fn add(&mut self, key: &RunKey, table: &EpisodeTable<'_>) {
+    ///
+    /// # Errors
+    /// Those of polars; none for a table of episodes.
+    pub fn add(&mut self, key: &RunKey, rows: &DataFrame) -> PolarsResult<()> {
         if self.last.as_ref().is_none_or(|(last, _)| last != key) {
             self.close();
         }
         let (_, run) = self.last.get_or_insert_with(|| (key.clone(), EvaluatedRun::new(key.clone(), self.kept)));
-        run.add(table, &table.rows().collect::<Vec<_>>());
+        run.add(rows)
     }
 
     /// Ends the run of the last rows.
@@ -76,13 +81,13 @@ impl Evidence {
         let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
         let pairs = pairs(&place);
         let mut comparisons = Vec::new();
-        // One figure after the other, since each needs a number for every episode.
-        for figure in Figure::ALL {
-            let measured = place.measure(figure);
+        // One metric after the other, since each needs a number for every episode.
+        for metric in inferred() {
+            let measured = place.measure(metric);
             for (number, cell) in cells.iter_mut().enumerate() {
                 cell.measure(&place, &measured, number);
             }
-            if Figure::COMPARED.contains(&figure) {
+            if metric.inference == Inference::Pairs {
                 let found = pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair)));
                 comparisons.extend(found);
             }

@@ -3,7 +3,6 @@
 //! Episodes come run by run. They stay in memory while runs of their place come. A place is a town, a vehicle, an adversary and a world of one
 //! `evaluate` block. All controllers and all driving policies of a place have the same starts.
 
-mod figure;
 mod evaluated_run;
 mod place;
 mod cell;
@@ -18,7 +17,6 @@ mod tests;
 pub use cell::CellEvidence;
 pub use comparison::{Comparison, Test};
 pub use evaluated_run::{EvaluatedRun, MAX_KEPT};
-pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
 pub use learning::{BeatsUntrained, Doubt, Learning, Reason, Untrained, doubts};
 pub use pair::compare_pair;

@@ -1,7 +1,8 @@
-use super::Figure;
 use super::comparison::{Comparison, compare};
 use super::evaluated_run::EvaluatedRun;
 use super::place::Place;
+use crate::tables::Metric;
+use crate::tables::metrics;
 
 /// Compares the runs of one cell on two sides, such as two reports: second less first. Runs of a number belong together, and their episodes
 /// of a number have equal starts. Figures without a value on a side are left out; p is not adjusted.
@@ -13,18 +14,18 @@ pub fn compare_pair([mut first, mut second]: [Vec<EvaluatedRun>; 2]) -> Vec<Comp
     if place.cells.len() < 2 {
         return Vec::new();
     }
-    let agree = |figure| {
+    let agree = |metric: &Metric| {
         let partner = |run: &EvaluatedRun| place.runs(0).iter().find(|other| other.run == run.run);
         let mut pairs = place.runs(1).iter().filter_map(|run| Some((run, partner(run)?)));
-        pairs.all(|(run, other)| run.discordant(other, figure) == (0, 0))
+        pairs.all(|(run, other)| run.discordant(other, metric) == (0, 0))
     };
-    let compared = |figure| {
-        let mut found = compare(&place, &place.measure(figure), (1, 0))?;
-        if agree(figure) {
+    let compared = |metric: &'static Metric| {
+        let mut found = compare(&place, &place.measure(metric), (1, 0))?;
+        if agree(metric) {
             // Without a pair that disagrees the samples show no spread, but not that there is no difference.
             found.discordant = Some((0, 0));
         }
         Some(found)
     };
-    Figure::COMPARED.into_iter().filter_map(compared).collect()
+    metrics::compared().filter_map(compared).collect()
 }

@@ -1,8 +1,8 @@
 use std::ops::Range;
 
-use super::Figure;
 use super::evaluated_run::EvaluatedRun;
 use crate::report::grouped::grouped;
+use crate::tables::Metric;
 use base::statistics::{ClusteredCount, Sample};
 
 /// All runs with common starts; the runs of a cell are consecutive.
@@ -29,9 +29,9 @@ impl Place {
         &self.evaluated[self.cells[cell].clone()]
     }
 
-    /// A figure of all runs.
-    pub fn measure(&self, figure: Figure) -> Measured {
-        Measured { figure, runs: self.evaluated.iter().map(|run| run.influence(figure)).collect() }
+    /// A metric of all runs.
+    pub fn measure(&self, metric: &'static Metric) -> Measured {
+        Measured { metric, runs: self.evaluated.iter().map(|run| run.influence(metric)).collect() }
     }
 
     /// A figure of one cell, or of its difference from another; `None` if a cell has no value.
@@ -97,7 +97,7 @@ impl Place {
         for (i, a) in pulls.iter().enumerate() {
             for (j, b) in pulls.iter().enumerate().skip(i) {
                 let kept: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
-                let common = kept * self.evaluated[members[i]].stretch(&self.evaluated[members[j]]);
+                let common = kept * self.evaluated[members[i]].scale_to_all(&self.evaluated[members[j]]);
                 (covariance[i * n + j], covariance[j * n + i]) = (common, common);
             }
         }
@@ -112,7 +112,7 @@ pub fn least(counts: impl Iterator<Item = ClusteredCount>) -> ClusteredCount {
 
 /// A figure of all runs of a place.
 pub struct Measured {
-    pub figure: Figure,
+    pub metric: &'static Metric,
     /// For each run, if it has one: the value, and the influence of each kept episode on it.
     pub runs: Vec<Option<(f64, Vec<f64>)>>,
 }

@@ -81,7 +81,7 @@ impl From<&Comparison> for ComparedRow {
         Self {
             first: found.first.clone(),
             second: found.second.clone(),
-            figure: found.figure.name(),
+            figure: found.figure.name,
             episodes: Some(found.episodes),
             difference: found.difference,
             interval: found.interval,

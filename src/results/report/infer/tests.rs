@@ -1,6 +1,7 @@
 use super::*;
 use crate::record::columns::EPISODE_REWARD;
-use crate::record::{CellKey, EpisodeTable, RunKey, episodes};
+use crate::record::{CellKey, RunKey, episodes};
+use crate::tables::metrics::{COLLISION_RATE, FRONT_RATE, inferred};
 use polars::prelude::{Column, DataFrame};
 use world::env::Ending;
 
@@ -47,7 +48,7 @@ fn gather(runs: Vec<DataFrame>) -> Evidence {
 
 fn gathered(mut gathering: Gathering, runs: &[DataFrame]) -> Evidence {
     for run in runs {
-        gathering.add(&RunKey::read(run, 0).unwrap(), &EpisodeTable::new(run).unwrap());
+        gathering.add(&RunKey::read(run, 0).unwrap(), run).unwrap();
     }
     gathering.finish()
 }
@@ -62,10 +63,10 @@ fn every_run_is_listed_and_speeds_are_of_collisions_alone() {
     let [cell] = &found.cells[..] else { panic!("{found:?}") };
     let of_three_runs = |count: u64| base::statistics::ClusteredCount::from(count).of_clusters(3.0);
     assert_eq!((cell.episodes, cell.collisions), (of_three_runs(14), of_three_runs(6)));
-    let between = cell.between(Figure::Collision);
+    let between = cell.between(&COLLISION_RATE).unwrap();
     assert_eq!(between.by_run, [0.6, 0.75, 0.0]);
     assert_eq!(between.interval, None, "of three runs");
-    assert_eq!(cell.between(Figure::Front).by_run, [1.0, 1.0], "the third has none");
+    assert_eq!(cell.between(&FRONT_RATE).unwrap().by_run, [1.0, 1.0], "the third has none");
     // Speeds 1, 2, 5 and 1, 4, 5.
     assert_eq!(cell.impact_speed_p90, (Some(5.0), 6));
 }
@@ -81,7 +82,7 @@ fn single_runs_are_compared_by_mcnemar_on_pairs_that_both_finished() {
     let pairs: Vec<(&str, &str, &str)> = found
         .comparisons
         .iter()
-        .filter(|found| found.figure == Figure::Collision)
+        .filter(|found| *found.figure == COLLISION_RATE)
         .map(|found| (found.first.reward.as_str(), found.second.controller.as_str(), found.second.reward.as_str()))
         .collect();
     assert_eq!(pairs, [("r1", "intercept", "r1"), ("r2", "trained", "r1"), ("r2", "random", "r2")]);
@@ -91,7 +92,7 @@ fn single_runs_are_compared_by_mcnemar_on_pairs_that_both_finished() {
     assert!((first.p.unwrap() - 2.0 / 512.0).abs() < 1e-12, "{first:?}");
     assert!((first.difference - (0.9 - 1.0 / 11.0)).abs() < 1e-12);
     // Two tests: in the second pair no episode disagrees, so it is none.
-    let collisions: Vec<_> = found.comparisons.iter().filter(|found| found.figure == Figure::Collision).collect();
+    let collisions: Vec<_> = found.comparisons.iter().filter(|found| *found.figure == COLLISION_RATE).collect();
     assert_eq!((collisions[1].p, collisions[1].holm), (Some(1.0), Some(1.0)));
     assert!((collisions[2].holm.unwrap() - 2.0 * collisions[2].p.unwrap()).abs() < 1e-12);
     assert_eq!(first.holm, collisions[2].holm);
@@ -108,7 +109,7 @@ fn common_starts_make_differences_surer_than_rates() {
     let mut runs: Vec<_> = (0..5).map(|number| run("trained", "r1", number, "a", &hits(2 * number as usize))).collect();
     runs.push(run("intercept", "r1", 0, "a", &plain));
     let found = gather(runs);
-    let rate = found.cells[0].between(Figure::Collision).interval.unwrap();
+    let rate = found.cells[0].between(&COLLISION_RATE).unwrap().interval.unwrap();
     let difference = &found.comparisons[0];
     assert_eq!((difference.test, difference.runs), (Test::Student, [5, 1]));
     assert!((difference.difference - 0.05).abs() < 1e-12);
@@ -133,8 +134,7 @@ fn drivers_are_compared_run_by_run_on_the_same_starts() {
     }
     let found = gather(runs);
     let of_drivers = found.comparisons.iter().filter(|found| found.is_of_drivers());
-    let [trained, single] = &of_drivers.filter(|found| found.figure == Figure::Collision).collect::<Vec<_>>()[..]
-    else {
+    let [trained, single] = &of_drivers.filter(|found| *found.figure == COLLISION_RATE).collect::<Vec<_>>()[..] else {
         panic!("{:?}", found.comparisons)
     };
     assert_eq!((trained.first.policy.as_str(), trained.second.policy.as_str(), trained.runs), ("q", "p", [4, 4]));
@@ -156,7 +156,7 @@ fn two_and_three_runs_have_their_values_and_no_interval() {
     };
     for (runs, few) in [(2, true), (3, true), (4, false)] {
         let found = campaign(runs);
-        let (cell, compared) = (found.cells[0].between(Figure::Collision), &found.comparisons[0]);
+        let (cell, compared) = (found.cells[0].between(&COLLISION_RATE).unwrap(), &found.comparisons[0]);
         assert_eq!(cell.interval.is_none(), few, "{runs}");
         assert_eq!((compared.has_few_runs(), compared.interval.is_none()), (few, few), "{runs}");
         assert_eq!((compared.by_run[0].len(), compared.by_run[1].as_slice()), (runs as usize, [0.1].as_slice()));
@@ -177,7 +177,7 @@ fn simultaneous_intervals_allow_for_all_comparisons() {
     };
     let low = |towns: &[&str]| {
         let found = gather(towns.iter().flat_map(|town| place(town)).collect());
-        let first = found.comparisons.iter().find(|found| found.figure == Figure::Collision).unwrap().clone();
+        let first = found.comparisons.iter().find(|found| *found.figure == COLLISION_RATE).unwrap().clone();
         assert!((first.difference - 0.15).abs() < 1e-12 && first.p.unwrap() < 0.05);
         first.interval.unwrap().0
     };
@@ -229,10 +229,11 @@ fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
         (whole.impact_speed_p90.1, part.impact_speed_p90),
         (5500, gather(of_those_kept).cells[0].impact_speed_p90)
     );
-    for figure in Figure::ALL {
-        assert_eq!(whole.between(figure).by_run, part.between(figure).by_run, "{figure:?}");
+    for figure in inferred() {
+        let by_run = |cell: &CellEvidence| cell.between(figure).unwrap().by_run.clone();
+        assert_eq!(by_run(&whole), by_run(&part), "{figure:?}");
     }
-    let error = |cell: &CellEvidence| cell.uncertainty(Figure::Collision).unwrap().error;
+    let error = |cell: &CellEvidence| cell.uncertainty(&COLLISION_RATE).unwrap().error;
     assert!((error(&part) / error(&whole) - 1.0).abs() < 0.02, "{} for {}", error(&part), error(&whole));
 }
 

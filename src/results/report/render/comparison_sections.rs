@@ -3,9 +3,8 @@
 use super::change_report::{ChangeReport, ChangeSection};
 use super::table::{Column, Table, Value};
 use crate::report::compare::drivers;
-use crate::report::{
-    Changed, ComparedCell, ComparedSearch, CountedEvent, FailureChange, Figure, PairedRate, ReportComparison,
-};
+use crate::report::{Changed, ComparedCell, ComparedSearch, CountedEvent, FailureChange, PairedRate, ReportComparison};
+use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE};
 use base::statistics::mcnemar;
 
 /// Maximum number of kinds in a table.
@@ -95,7 +94,7 @@ fn common_starts(cell: &ComparedCell) -> String {
 /// How many failures are new, worse, fixed, better and the same, and how many faults are new, fixed and the same.
 fn headline(comparison: &ReportComparison) -> String {
     let is_told = |event: &&CountedEvent| {
-        let is_of_collisions = matches!(event.figure, Figure::Collision | Figure::Fault);
+        let is_of_collisions = [COLLISION_RATE, FAULT_RATE].contains(event.figure);
         event.is_violation() || event.requirement.is_none() && is_of_collisions
     };
     let of_both = |word| FailureChange::of_word(&comparison.changes, word).len();
@@ -103,7 +102,7 @@ fn headline(comparison: &ReportComparison) -> String {
         let Changed { new, fixed, same } = comparison.changed(event);
         let what = match (&event.requirement, event.figure) {
             (Some(name), _) => format!("violations of {name}"),
-            (None, Figure::Fault) => "fault".into(),
+            (None, figure) if *figure == FAULT_RATE => "fault".into(),
             (None, _) => {
                 let [worse, better, same] = ["worse", "better", "same"].map(of_both);
                 return format!("Failures: {new} new, {worse} worse, {fixed} fixed, {better} better, {same} same");

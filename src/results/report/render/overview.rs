@@ -6,9 +6,9 @@ use super::page::{document, paragraph};
 use super::sections::{Scale, failed_starts, injury, searcher};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
-use crate::report::pooled::{FIGURES, Pooled, SEED};
+use crate::report::pooled::{Pooled, SEED};
 use crate::report::{DriverResult, Rate, Variant};
-use crate::tables::metrics::{COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
+use crate::tables::metrics::{EPISODES, compared};
 
 /// How to read the tables.
 const READING: &str = "A row is a pedestrian, or a search, in a town against a driver. Rates are shares of all episodes: the mean over runs \
@@ -100,8 +100,8 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
     };
     let row = |pooled: &Pooled<'_>| {
         let mut row = words(pooled);
-        for figure in &FIGURES {
-            let rate = pooled.figure(figure);
+        for metric in compared().rev() {
+            let rate = pooled.figure(metric);
             let mean = match (rate.value, pooled.episodes()) {
                 (Some(0.0), Some(episodes)) => Value::Of(0, episodes.into()),
                 _ => over_seeds(&rate, false),
@@ -110,7 +110,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
         }
         row
     };
-    let figures = FIGURES.iter().flat_map(|(name, ..)| [Column::number(*name), Column::number("sd").page_only()]);
+    let figures = compared().rev().flat_map(|metric| [Column::number(metric.word()), Column::number("sd").page_only()]);
     let mut tables = vec![Table {
         title: "Over the seeds".into(),
         head: head(figures.collect()),
@@ -122,16 +122,16 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
         Some(p) if p < 0.001 => "< 0.001".into(),
         p => Value::Number(p, 3),
     };
+    let shown_metrics = || compared().rev().take(if everything { usize::MAX } else { 1 });
     let difference = |(own, beside): (&Pooled<'_>, &Pooled<'_>)| {
-        let figures = FIGURES[..if everything { FIGURES.len() } else { 1 }]
-            .iter()
-            .flat_map(|figure| [over_seeds(&own.difference(beside, figure), true), p(own.p(beside, figure))]);
+        let figures = shown_metrics()
+            .flat_map(|metric| [over_seeds(&own.difference(beside, metric), true), p(own.p(beside, metric))]);
         words(own).into_iter().chain([beside.who(&all).into()]).chain(figures).collect::<Vec<Value>>()
     };
     let pairs = Pooled::pairs(&all);
     let shown = pairs.into_iter().filter(|(_, beside)| everything || std::ptr::eq(*beside, &all[beside.first]));
-    let figures = FIGURES.iter().take(if everything { FIGURES.len() } else { 1 });
-    let columns = figures.flat_map(|(name, ..)| [Column::number(format!("{name}, difference")), Column::number("p")]);
+    let columns = shown_metrics()
+        .flat_map(|metric| [Column::number(format!("{}, difference", metric.word())), Column::number("p")]);
     let differences = Table {
         title: "Differences, paired by seed".into(),
         head: head(std::iter::once(Column::text("beside")).chain(columns).collect()),
@@ -181,7 +181,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         let mut head = head(overview);
         head.extend(place_head.clone());
         head.extend([Column::text("pedestrian"), Column::number("runs").page_only(), Column::number("n")]);
-        head.extend(["fault", "preventable", "collision"].map(Column::number));
+        head.extend(compared().rev().map(|metric| Column::number(metric.word())));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
             let mut values = place_of(row);
@@ -191,9 +191,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
                 Value::Count(cell.runs().into()),
                 Value::Count((cell.count(&EPISODES) / cell.runs().max(1)).into()),
             ]);
-            values.extend(
-                [&FAULT_RATE, &PREVENTABLE_RATE, &COLLISION_RATE].map(|metric| Value::from(&cell.rate(metric))),
-            );
+            values.extend(compared().rev().map(|metric| Value::from(&cell.rate(metric))));
             values
         };
         let rows = evaluated.iter().map(row).collect();

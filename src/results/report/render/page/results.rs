@@ -8,8 +8,7 @@ use crate::report::render::table::Value;
 use crate::report::{Findings, PublishedComparison, Rate};
 use crate::tables::Metric;
 use crate::tables::metrics::{
-    ALL_EPISODES, COLLISION_RATE, EPISODE_LENGTH, EPISODES, ERRORS, FAULT_RATE, IMPACT_SPEED, LEFT_OUT_EPISODES,
-    PREVENTABLE_RATE,
+    ALL_EPISODES, EPISODE_LENGTH, EPISODES, ERRORS, IMPACT_SPEED, LEFT_OUT_EPISODES, compared,
 };
 
 /// Width and height of the picture of a rate.
@@ -19,15 +18,11 @@ const END: f64 = 8.0;
 /// The ends that an axis may have.
 const ENDS: [f64; 9] = [0.004, 0.01, 0.02, 0.04, 0.1, 0.2, 0.4, 0.6, 1.0];
 
-/// The shares that a row shows, with their names.
-const SHOWN: [(&str, &Metric); 3] =
-    [("collision", &COLLISION_RATE), ("preventable", &PREVENTABLE_RATE), ("fault", &FAULT_RATE)];
-
 /// The cells as a figure in the form of a table: for each cell the rates with their intervals, and every run.
 pub fn results(found: &Findings<'_>) -> Markup {
     let cells = &named(&found.cells);
     let scale = Scale::new(&found.drivers, &found.cells, &found.searches);
-    let axes = SHOWN.map(|(_, metric)| Axis::new(found, cells, metric));
+    let axes: Vec<Axis> = compared().map(|metric| Axis::new(found, cells, metric)).collect();
     html! {
         div.wide {
             table.results {
@@ -35,7 +30,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                     tr {
                         th scope="col" { "pedestrian" }
                         th.number scope="col" { "runs × episodes" }
-                        @for (name, _) in SHOWN { th scope="col" { (name) } }
+                        @for metric in compared() { th scope="col" { (metric.word()) } }
                         @for name in ["impact speed", "length"] { th.number scope="col" { (name) } }
                     }
                     tr.scale {
@@ -46,7 +41,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                 }
                 @for (place, members) in places(cells) {
                     tbody {
-                        tr { th colspan="7" scope="rowgroup" { (place) } }
+                        tr { th colspan=(axes.len() + 4) scope="rowgroup" { (place) } }
                         @for named in members { (row(found, named, &axes, &scale)) }
                     }
                 }
@@ -78,7 +73,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
     }
 }
 
-fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis; 3], scale: &Scale<'_>) -> Markup {
+fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis], scale: &Scale<'_>) -> Markup {
     let cell = named.cell;
     let published = |column: &str| {
         let same = |beside: &&PublishedComparison<'_>| beside.published.column == column && beside.key == cell.key;
@@ -92,9 +87,9 @@ fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis; 3], scale: &Scale<
                 @if cell.count(&LEFT_OUT_EPISODES) > 0 { " " em.warn { (percent(f64::from(cell.count(&LEFT_OUT_EPISODES)) / f64::from(cell.count(&ALL_EPISODES)))) " left out" } }
                 @if cell.count(&ERRORS) > 0 { " " em.warn { (cell.count(&ERRORS)) " in error" } }
             }
-            @for (number, (name, metric)) in SHOWN.into_iter().enumerate() {
+            @for (number, metric) in compared().enumerate() {
                 @let rate = &cell.rate(metric);
-                td data-label=(name) {
+                td data-label=(metric.word()) {
                     div.rate {
                         @let colour = if number >= 1 { "v0".to_string() } else { format!("f{}", named.colour) };
                         (axes[number].picture(&colour, rate, scale.ends(cell, metric), published(metric.name)))
