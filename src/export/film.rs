@@ -1,7 +1,7 @@
 //! An episode as a film: frames from above, north up, and how long each is shown.
 
 use super::Episode;
-use super::canvas::{Canvas, Colour, circle};
+use super::canvas::{Canvas, Colour};
 use super::episode::{Actor, Shape};
 use super::lane_bounds::lane_bounds;
 use world::geometry::{OrientedBox, Point, Pose, Vector};
@@ -76,13 +76,9 @@ impl<'a> Film<'a> {
         draw_town(&mut background, &episode.scenario.town);
         for (actor, colour) in main.into_iter().zip([EGO, PEDESTRIAN]) {
             let way: Vec<Point> = actor.track[ticks[0]..].iter().map(|at| at.pose.position()).collect();
-            let mut mask = background.mask();
-            background.add_line(&mut mask, &way, 2.0 * background.pixel());
-            background.lay(&mask, colour, 0.4);
+            background.draw(&[way], 2.0, colour, 0.4);
         }
-        for row in 0..HEAD {
-            background.pixels[row * SIZE[0]..(row + 1) * SIZE[0]].fill(PAPER);
-        }
+        background.fill_head(HEAD, PAPER);
         let end = match episode.outcome.impact_speed() {
             Some(speed) => format!("collision at {speed:.1} m/s"),
             None => format!("no collision, least gap {:.2} m", episode.outcome.least_gap),
@@ -119,12 +115,12 @@ impl<'a> Film<'a> {
                     draw_car(&mut canvas, &actor.outline(motion), colour, brake > BRAKING);
                 }
                 (Shape::Pedestrian(body), _) if body.target_box.is_some() => {
-                    canvas.fill(&actor.outline(motion).corners(), PEDESTRIAN);
+                    canvas.fill(&[actor.outline(motion).corners()], PEDESTRIAN, 1.0);
                 }
                 _ => {
                     let radius = (actor.size()[0] / 2.0).max(MIN_RADIUS * canvas.pixel());
-                    canvas.fill(&circle(motion.pose.position(), radius + canvas.pixel()), PAPER);
-                    canvas.fill(&circle(motion.pose.position(), radius), PEDESTRIAN);
+                    canvas.fill_circle(motion.pose.position(), radius + canvas.pixel(), PAPER);
+                    canvas.fill_circle(motion.pose.position(), radius, PEDESTRIAN);
                 }
             }
         }
@@ -146,15 +142,15 @@ fn draw_car(canvas: &mut Canvas, outline: &OrientedBox, colour: Colour, brakes: 
         let middle = pose.to_world(Vector::new(half.x * (from + to) / 2.0, 0.0));
         OrientedBox::new(Pose::new(middle.x, middle.y, pose.yaw), half.x * (to - from) / 2.0, half.y * 0.86).corners()
     };
-    canvas.fill(&outline.corners(), colour);
-    canvas.fill(&part(0.2, 0.55), WINDOW);
+    canvas.fill(&[outline.corners()], colour, 1.0);
+    canvas.fill(&[part(0.2, 0.55)], WINDOW, 1.0);
     if brakes {
-        canvas.fill(&part(-1.0, -0.84), PEDESTRIAN);
+        canvas.fill(&[part(-1.0, -0.84)], PEDESTRIAN, 1.0);
     }
 }
 
 fn draw_town(canvas: &mut Canvas, town: &Town) {
-    let [mut walks, mut lanes, mut marks] = [canvas.mask(), canvas.mask(), canvas.mask()];
+    let (mut walks, mut lanes, mut marks) = (Vec::new(), Vec::new(), Vec::new());
     for (road, index) in town.roads.iter().zip(0..) {
         for (section, number) in road.sections.iter().zip(0..) {
             for lane in section.lanes.iter().filter(|lane| lane.id != 0 && lane.kind != LaneKind::None) {
@@ -162,19 +158,17 @@ fn draw_town(canvas: &mut Canvas, town: &Town) {
                 let [left, right] = lane_bounds(town, start, STEP);
                 let corners: Vec<Point> = left.iter().chain(right.iter().rev()).copied().collect();
                 let driving = lane.kind == LaneKind::Driving;
-                canvas.add_polygon(if driving { &mut lanes } else { &mut walks }, &corners);
+                if driving { &mut lanes } else { &mut walks }.push(corners);
                 if driving && road.junction.is_none() {
-                    [left, right].iter().for_each(|edge| canvas.add_line(&mut marks, edge, 1.4 * canvas.pixel()));
+                    marks.extend([left, right]);
                 }
             }
         }
     }
-    canvas.lay(&walks, SIDEWALK, 1.0);
-    canvas.lay(&lanes, ROAD, 1.0);
-    canvas.lay(&marks, MARK, 0.8);
-    let [mut crosswalks, mut houses] = [canvas.mask(), canvas.mask()];
-    town.crosswalks.iter().for_each(|corners| canvas.add_polygon(&mut crosswalks, corners));
-    town.obstacles.iter().for_each(|own| canvas.add_polygon(&mut houses, &own.corners()));
-    canvas.lay(&crosswalks, MARK, 0.6);
-    canvas.lay(&houses, HOUSE, 1.0);
+    canvas.fill(&walks, SIDEWALK, 1.0);
+    canvas.fill(&lanes, ROAD, 1.0);
+    canvas.draw(&marks, 1.4, MARK, 0.8);
+    canvas.fill(&town.crosswalks, MARK, 0.6);
+    let houses: Vec<_> = town.obstacles.iter().map(OrientedBox::corners).collect();
+    canvas.fill(&houses, HOUSE, 1.0);
 }

@@ -50,7 +50,7 @@ fn encode(film: &Film) -> Result<Vec<u8>, ::gif::EncodingError> {
     let transparent = palette.colours.len() as u8;
     let mut before: Vec<u8> = Vec::new();
     for number in 0..film.len() {
-        let indices: Vec<u8> = film.frame(number).pixels.iter().map(|pixel| palette.nearest(*pixel)).collect();
+        let indices: Vec<u8> = film.frame(number).colours().map(|pixel| palette.nearest(pixel)).collect();
         let [left, top, right, bottom] = changed(&before, &indices);
         let rows = (top..bottom).flat_map(|row| row * width + left..row * width + right);
         // Pixels that remain are transparent: runs of one index are short.

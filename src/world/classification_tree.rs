@@ -97,12 +97,14 @@ mod tests {
         let record: Value = serde_json::from_str(record).unwrap();
         let rows: Vec<Vec<f64>> = record["rows"].as_array().unwrap().iter().map(numbers).collect();
         let hits: Vec<bool> = numbers(&record["hits"]).iter().map(|hit| *hit > 0.0).collect();
-        let splits = splits(&ClassificationTree::learn(&rows, &hits, 3, 1));
-        let wanted: Vec<Vec<f64>> = record["splits"].as_array().unwrap().iter().map(numbers).collect();
-        assert_eq!(splits.len(), wanted.len(), "{splits:?}");
-        for (found, wanted) in splits.iter().zip(&wanted) {
-            // scikit-learn stores features in 32 bits.
-            assert!(found.0 == wanted[0] as usize && (found.1 - wanted[1]).abs() < 1e-4, "{splits:?}");
+        for (min_rows, record) in [(1, &record["splits"]), (8, &record["bounded"])] {
+            let splits = splits(&ClassificationTree::learn(&rows, &hits, 3, min_rows));
+            let wanted: Vec<Vec<f64>> = record.as_array().unwrap().iter().map(numbers).collect();
+            assert_eq!(splits.len(), wanted.len(), "{splits:?}");
+            for (found, wanted) in splits.iter().zip(&wanted) {
+                // scikit-learn stores features in 32 bits.
+                assert!(found.0 == wanted[0] as usize && (found.1 - wanted[1]).abs() < 1e-4, "{splits:?}");
+            }
         }
         let one = ClassificationTree::learn(&rows, &vec![true; rows.len()], 3, 15);
         let tree = ClassificationTree::learn(&rows, &hits, 40, 1);

@@ -29,6 +29,10 @@ const DRIVERS: [&str; 12] = [
     "squinting",
 ];
 
+/// A check looks for their Python.
+const OUTSIDE: &str = "driver outside = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 4)
+driver outside_alone = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 1)";
+
 /// A plan with an evaluation for each of these drivers.
 fn plan(town: &str, spawn: &str, drivers: &[&str]) -> Plan {
     let lib = crate::repository().join("scenarios/lib");
@@ -38,15 +42,15 @@ fn plan(town: &str, spawn: &str, drivers: &[&str]) -> Plan {
          driver by_destination = behavior_agent(route: destination)\n\
          driver squinting = idm(sensors: poor)\n\
          driver snail = cruise(limit_share: 0.01)\n\
-         driver outside = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 4)\n\
-         driver outside_alone = external(command: \"python3 my_av.py\", timeout: 60 s, worlds: 1)\n\
+         {2}\n\
          spawn here {{ {spawn} }}\n\
          episode brief {{ ticks: 100  hold: 10  traffic_lights: false }}\n\
          campaign c {{ vehicle: model3 body: suicidal spawn: here episode: brief training: ppo_paper\n\
          train {{ towns: [{town}] drivers: [blind] rewards: [r1] runs: 1 }}\n\
          evaluate {{ towns: [{town}] drivers: [{1}] pedestrians: [intercept] episodes: 12 }} }}",
         lib.display(),
-        drivers.join(", ")
+        drivers.join(", "),
+        if drivers.iter().any(|driver| driver.starts_with("outside")) { OUTSIDE } else { "" }
     );
     let root = crate::repository().join("scenarios/external/steady.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };

@@ -84,6 +84,7 @@ fn encodings_company_and_the_size_of_writes_change_no_outcome() {
     assert_eq!(mode_free(outcomes("good binary second", "worlds: 7, timeout: 60 s")), digests, "with lanes");
 }
 
+#[needs(python)]
 #[test]
 fn the_emergency_brake_of_a_program_is_that_of_the_kind() {
     let text = text("python3 driver.py good", "aeb: true").replace("drivers: [mine]", "drivers: [mine, aeb]");

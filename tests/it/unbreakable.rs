@@ -462,6 +462,7 @@ fn a_slow_training_answers_a_signal_and_its_limit() {
     assert!(asked.elapsed() < Duration::from_secs(60), "{:?}", asked.elapsed());
 }
 
+#[needs(python)]
 #[test]
 fn a_driver_that_joins_the_group_of_the_program_ends_with_it() {
     let place = with_driver("python3 driver.py");
