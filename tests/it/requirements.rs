@@ -11,9 +11,10 @@ use falsify::session::{FailuresArgs, Input, RepeatOptions, Repeated, ReplayOptio
 use results::campaign::{self, NoStore, Silent};
 use results::jobs::{Repeatable, watch};
 use results::report::{
-    CountedEvent, Failures, Figure, Gate, Judged as Judgement, Side, StoredReport, compare_reports, compared_cells,
+    CountedEvent, Failures, Gate, Judged as Judgement, Side, StoredReport, compare_reports, compared_cells,
     comparison_reference, driver_results, narrative, requirements_in,
 };
+use results::tables::metrics::COLLISION_RATE;
 use world::env::{Draw, Outcome, Trace as EpisodeTrace};
 use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
 use world::requirement::Trace;
@@ -384,7 +385,7 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     let stored = [&again, &other].map(|folder| StoredReport::open(folder).unwrap());
     let side = |side: usize| Side { report: &stored[side], driver: None, world: None };
     let compared = compare_reports(side(0), side(1)).unwrap();
-    let violation = CountedEvent { figure: Figure::Collision, requirement: Some("slow_pass".into()) };
+    let violation = CountedEvent { figure: &COLLISION_RATE, requirement: Some("slow_pass".into()) };
     let slow_pass = compared.changed(&violation);
     assert_eq!(
         (slow_pass.new, slow_pass.fixed, slow_pass.same),

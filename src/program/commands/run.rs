@@ -289,7 +289,7 @@ impl RunReporter {
         match self.output {
             Output::Human => summary::show(report, self.details),
             Output::Json => {
-                EventLine::ReportWritten { campaign: name, folder, complete: manifest.complete, tasks, reused }.tell()
+                EventLine::ReportWritten { campaign: name, folder, complete: manifest.complete, tasks, reused }.tell();
             }
         }
         gate::show(report);

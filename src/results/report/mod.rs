@@ -36,10 +36,11 @@ mod dossier;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
+pub use crate::tables::{Method, Rate};
 pub use actors::CastFailure;
 pub(crate) use aggregate::search_table;
 pub use aggregate::{
-    Colour, DriverResult, Episodes, Failures, Gathered, Method, Rate, Run, SearchCell, beside, driver_results, gather,
+    Colour, DriverResult, Episodes, Failures, Gathered, Run, SearchCell, beside, driver_results, gather,
     search_cell_table, search_cells, searches, ticks, worst_failure,
 };
 pub use catalogue::catalogue;

@@ -6,13 +6,17 @@ use polars::prelude::{
     len,
 };
 
-use super::Metric;
 use super::metrics::{MEAN, METRICS, RUNS};
-use super::runs::{IS_COPY, IS_OF_CASES, part_of};
+use super::{Method, Metric, Rate};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::record::{CellKey, Column, ColumnReference, Role, Table, cell_key};
-use crate::report::{Method, Rate};
 use base::statistics::{ClusteredCount, wilson};
+
+/// Whether the episodes of a run are the cases of a test, each once. They are no sample, and nothing has an interval.
+pub const IS_OF_CASES: Column<bool> = Column::new("is_of_cases", "", "whether the episodes are the cases of a test");
+/// Whether an untrained pedestrian walked the same for an earlier reward of the campaign.
+pub(super) const IS_COPY: Column<bool> =
+    Column::new("is_copy", "", "whether only the reward differs from an earlier row");
 
 /// The cells of a campaign, in the order of first appearance: all runs that differ in their number alone.
 #[derive(Debug, Clone, Default)]
@@ -183,7 +187,7 @@ fn aggregates() -> Vec<Expr> {
         if !metric.is_count() {
             all.push(value().std(1).alias(format!("{}_sd", metric.name)));
             all.push(value().drop_nulls().alias(by_run(metric)));
-            all.push(col(part_of(metric)).sum());
+            all.push(col(metric.part_column()).sum());
         }
     }
     all
@@ -197,7 +201,7 @@ fn by_run(metric: &Metric) -> String {
 /// Wilson's interval of a share in each cell. The runs share their starts, so a start counts once.
 fn intervals(table: &DataFrame, metric: &Metric) -> PolarsResult<Vec<Option<(f64, f64)>>> {
     let whole = metric.whole.map_or(metric.name, |whole| whole.name);
-    let (parts, wholes) = (table.column(&part_of(metric))?.u32()?, table.column(whole)?.u32()?);
+    let (parts, wholes) = (table.column(&metric.part_column())?.u32()?, table.column(whole)?.u32()?);
     let (runs, of_cases) = (table.column(RUNS.name)?.u32()?, IS_OF_CASES.read(table)?);
     let ends = |row: usize| {
         let runs = f64::from(runs.get(row)?);
@@ -225,7 +229,7 @@ impl Cell {
 
     /// The sum of which a share is the ratio.
     pub fn part(&self, metric: &Metric) -> u32 {
-        let count = || self.table.column(&part_of(metric)).ok()?.u32().ok()?.get(self.row);
+        let count = || self.table.column(&metric.part_column()).ok()?.u32().ok()?.get(self.row);
         count().unwrap_or_default()
     }
 

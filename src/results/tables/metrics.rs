@@ -117,6 +117,11 @@ impl Metric {
         self.whole.is_none()
     }
 
+    /// The column of the sum of its part: that of a count is its value.
+    pub(super) fn part_column(&self) -> String {
+        if self.is_count() { self.name.into() } else { format!("{}_part", self.name) }
+    }
+
     /// With more inferred of it.
     const fn inferring(self, inference: Inference) -> Self {
         Self { inference, ..self }

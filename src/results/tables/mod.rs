@@ -4,9 +4,11 @@
 //! of a cell follow from it.
 
 pub mod metrics;
-mod runs;
+mod rate;
 mod cells;
+mod runs;
 
-pub use cells::{Cell, Cells, Varied, cell_columns, key_columns};
+pub use cells::{Cell, Cells, IS_OF_CASES, Varied, cell_columns, key_columns};
 pub use metrics::{METRICS, Metric};
-pub use runs::{IS_OF_CASES, Runs};
+pub use rate::{Method, Rate};
+pub use runs::Runs;

@@ -2,22 +2,17 @@ use polars::prelude::{
     Column as Values, DataFrame, Expr, IntoLazy, PolarsResult, Scalar, UnionArgs, col, concat, lit, when,
 };
 
+use super::cells::{IS_COPY, IS_OF_CASES};
 use super::metrics::{HIDDEN, METRICS};
 use super::{Cells, Metric};
 use crate::record::columns::{RUN, RUN_ID};
-use crate::record::{Column, DEGREES, RunKey, Table, cell_key};
+use crate::record::{DEGREES, RunKey, Table, cell_key};
 
 /// The number of rows that are summed at once. The sums of a run depend on it, and so do their last digits.
 const ROWS: usize = 10_000;
 
 /// The place of a run among those of the campaign.
 const PLACE: &str = "place";
-/// Whether the episodes of a run are the cases of a test, each once. They are no sample, and nothing has an interval.
-pub const IS_OF_CASES: Column<bool> = Column::new("is_of_cases", "", "whether the episodes are the cases of a test");
-/// Whether an untrained pedestrian walked the same for an earlier reward of the campaign.
-pub(super) const IS_COPY: Column<bool> =
-    Column::new("is_copy", "", "whether only the reward differs from an earlier row");
-
 /// The runs of a campaign, from their episodes, in memory that does not grow with these.
 #[derive(Debug, Clone, Default)]
 pub struct Runs {
@@ -54,7 +49,7 @@ impl Runs {
         let parts: Vec<_> = self.waiting.drain(..).map(IntoLazy::lazy).collect();
         self.rows = 0;
         if !parts.is_empty() {
-            let sums: Vec<Expr> = summed().map(|metric| (metric.part)().sum().alias(part_of(metric))).collect();
+            let sums: Vec<Expr> = summed().map(|metric| (metric.part)().sum().alias(metric.part_column())).collect();
             self.sums.push(concat(parts, UnionArgs::default())?.group_by_stable([col(PLACE)]).agg(sums).collect()?);
         }
         Ok(())
@@ -76,7 +71,7 @@ impl Runs {
         if parts.is_empty() {
             return Ok(keys.frame(&[]));
         }
-        let sums = summed().map(|metric| col(part_of(metric)).sum());
+        let sums = summed().map(|metric| col(metric.part_column()).sum());
         let values: Vec<Expr> =
             METRICS.iter().filter(|metric| !metric.is_count()).map(|metric| value(metric)).collect();
         let sums = concat(parts, UnionArgs::default())?.group_by_stable([col(PLACE)]).agg(sums.collect::<Vec<_>>());
@@ -100,14 +95,9 @@ fn summed() -> impl Iterator<Item = &'static Metric> {
     METRICS.into_iter().chain(HIDDEN)
 }
 
-/// The column of the sum of a metric: that of a count is its value.
-pub(super) fn part_of(metric: &Metric) -> String {
-    if metric.is_count() { metric.name.into() } else { format!("{}_part", metric.name) }
-}
-
 /// The value of a ratio in a run; missing where its whole is 0.
 fn value(metric: &Metric) -> Expr {
     let whole = metric.whole.map_or_else(|| lit(1), |whole| col(whole.name));
-    let ratio = col(part_of(metric)).cast(polars::prelude::DataType::Float64) / whole.clone();
+    let ratio = col(metric.part_column()).cast(polars::prelude::DataType::Float64) / whole.clone();
     when(whole.gt(lit(0))).then(ratio).otherwise(lit(polars::prelude::NULL)).alias(metric.name)
 }

@@ -7,7 +7,6 @@
 mod episodes;
 mod failures;
 mod drivers;
-mod rate;
 mod results;
 mod requirements;
 mod gathered;
@@ -25,7 +24,6 @@ pub use failures::Failures;
 pub use gathered::{Gathered, gather};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, passed_share, protocol_table, score};
 pub use published::{PublishedComparison, beside};
-pub use rate::{Method, Rate};
 pub use requirements::{
     APPLIES, CellRequirement, Counted, GATED, INSTANT, PART, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT,
     requirement_table,

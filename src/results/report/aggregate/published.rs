@@ -1,6 +1,6 @@
-use super::Rate;
 use crate::record::CellKey;
 use crate::report::CellEvidence;
+use crate::tables::Rate;
 use crate::tables::metrics::inferred;
 use crate::tables::{Cell, Metric};
 use base::statistics::{MIN_RUNS, Uncertainty};

@@ -1,11 +1,11 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::{Method, Rate};
 use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::RUN_ID;
 use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
 use crate::record::episodes::named;
 use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Table, parse_degrees};
+use crate::tables::{Method, Rate};
 use base::statistics::{ClusteredCount, wilson};
 use world::judge::{JudgedDegree, NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};

@@ -1,9 +1,9 @@
-use super::Rate;
 use super::search_figures::{FAILED_STARTS, FAULT, FAULT_START_RATE, FIRST_FAILURE, FIRST_FAULT, Figures, INJURY};
 use super::searches::{BUDGET, STARTS, search_key};
 use crate::jobs::SearchResult;
 use crate::record::{Column, Entry, Interval, Role, Table, in_block};
 use crate::report::grouped::grouped;
+use crate::tables::Rate;
 use crate::tables::metrics::MEAN;
 use base::statistics::{MIN_RUNS, clopper_pearson, quantile};
 use compile::SearchKey;

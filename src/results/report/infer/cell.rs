@@ -4,9 +4,9 @@ use super::evaluated_run::EvaluatedRun;
 use super::place::{Measured, Place};
 use super::{Learning, reference_rates};
 use crate::record::{CellKey, ColumnReference};
-use crate::report::aggregate::{Method, Rate};
 use crate::tables::Metric;
 use crate::tables::metrics::EPISODE_REWARD;
+use crate::tables::{Method, Rate};
 use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, bounded_interval, quantile};
 use world::judge::Reference;
 
