@@ -5,7 +5,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::caveat::{Caveat, caveats};
 use super::matching::{Incomparable, Matched, Side, lone_drivers, matched};
-use super::paired_rate::{Changed, CountedEvent, PairedRate, PooledStarts};
+use super::paired_rate::{Changed, CountedEvent, PairedRate, PooledStarts, VIOLATIONS};
 use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::failure::Failure;
 use crate::record::columns::START;
@@ -14,7 +14,7 @@ use crate::report::grouped::grouped;
 use crate::report::infer::{EvaluatedRun, MAX_KEPT, compare_pair};
 use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{FailureChange, ReadError, SideCollision, SideEnd};
-use world::judge::Label;
+use crate::tables::{Metric, metrics};
 
 /// Two sides, compared over the starts that they share.
 #[derive(Debug, Clone)]
@@ -107,6 +107,10 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         |name: &&String| violated[1].contains_key(*name) && applied.iter().any(|all| all.contains_key(*name));
     let requirements: Vec<&String> = violated[0].keys().filter(is_compared).collect();
     let events = CountedEvent::all(requirements.iter().copied());
+    let of_collisions: Vec<&'static Metric> = metrics::compared().collect();
+    let kinds: Vec<&[&'static Metric]> =
+        std::iter::once(&of_collisions[..]).chain(requirements.iter().map(|_| &VIOLATIONS[..])).collect();
+    let touches = [before.report.touches()?, after.report.touches()?];
     let cells = grouped(pairs, |pair| pair[0].key.cell.clone());
     let (mut compared, mut changes) = (Vec::<ComparedCell>::new(), Vec::new());
     let mut pools: Vec<Pool> = Vec::new();
@@ -131,7 +135,8 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                 let runs = |side: usize| applied[side].get(*name).into_iter().flatten();
                 cell.iter().any(|pair| (0..2).any(|side| runs(side).any(|run| *run == pair[side].key.id)))
             }))
-            .flat_map(|applies| [applies; KINDS])
+            .zip(&kinds)
+            .flat_map(|(applies, metrics)| std::iter::repeat_n(applies, metrics.len()))
             .chain([true])
             .collect();
         pool.applies.resize(events.len(), false);
@@ -155,6 +160,10 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                     (errors.0, errors.1) = (errors.0 + 1, errors.1.or_else(|| Some(name())));
                 }
             }
+            let counted = [
+                touches[0].counted(first.key.id, &a, &of_collisions).map_err(broken(&before))?,
+                touches[1].counted(second.key.id, &b, &of_collisions).map_err(broken(&after))?,
+            ];
             let mut rows = common(&tables, [&a, &b]).map_err(broken(&before))?;
             all += (a.height() + b.height()) as u64;
             unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
@@ -180,16 +189,22 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                 found.differing += u64::from(tables[0].digest(*row) != tables[1].digest(*partner));
                 let mut here: Vec<[bool; 2]> = Vec::with_capacity(events.len());
                 for (kind, runs) in runs.iter_mut().enumerate() {
-                    let of = |side: usize| -> [bool; KINDS] {
-                        let (name, failure) = &ends[side];
+                    let of = |side: usize| -> Vec<bool> {
+                        let row = [*row, *partner][side];
                         match kind.checked_sub(1) {
-                            None => failure.map_or([false; KINDS], events_of),
-                            Some(place) => violated[side][requirements[place]].get(name).copied().unwrap_or_default(),
+                            None => counted[side].iter().map(|rows| rows[row]).collect(),
+                            Some(place) => violated[side][requirements[place]]
+                                .get(&ends[side].0)
+                                .copied()
+                                .unwrap_or_default()
+                                .to_vec(),
                         }
                     };
                     let sides = [of(0), of(1)];
-                    (0..2).for_each(|side| runs[side].add_events(start, &sides[side]));
-                    here.extend((0..KINDS).map(|event| sides.map(|side| side[event])));
+                    for (side, run) in runs.iter_mut().enumerate() {
+                        run.add_events(start, kinds[kind].iter().copied().zip(sides[side].iter().copied()));
+                    }
+                    here.extend((0..kinds[kind].len()).map(|event| [sides[0][event], sides[1][event]]));
                 }
                 let worse = match ends.each_ref().map(|(_, failure)| failure.map(SideCollision::from)) {
                     [Some(before), Some(after)] => [before.is_worse_than(&after), after.is_worse_than(&before)],
@@ -213,7 +228,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         }
         pool.cell.differing += if is_pooled { found.differing } else { 0 };
         if found.starts > 0 {
-            let figures = evaluated.into_iter().flat_map(compare_pair);
+            let figures = evaluated.into_iter().zip(&kinds).flat_map(|(runs, metrics)| compare_pair(runs, metrics));
             let worse = PairedRate::of_runs(&worse_by_run, *counts.last().expect("it is the last event"), found.starts);
             let rates = figures.zip(counts).map(|(figure, count)| PairedRate::of_cell(figure, count));
             found.rates = rates.chain([worse]).zip(applies).map(|(rate, applies)| applies.then_some(rate)).collect();
@@ -262,9 +277,6 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     Ok(ReportComparison { folders, caveats: notes, events, cells: compared, changes, searches })
 }
 
-/// Number of events that are counted of a failure: collisions or violations, the preventable ones, and the faults.
-const KINDS: usize = 3;
-
 /// The controllers of a driver in a place.
 #[derive(Debug, Default)]
 struct Pool {
@@ -273,11 +285,6 @@ struct Pool {
     starts: PooledStarts,
     /// Whether each event can be: not where its requirement never applied.
     applies: Vec<bool>,
-}
-
-/// The events that a collision is.
-fn events_of(failure: &Failure) -> [bool; KINDS] {
-    [true, failure.verdict == Some(Label::Preventable), failure.fault]
 }
 
 /// The collisions of evaluations, by their names.
@@ -291,9 +298,9 @@ fn collisions(failures: &[Failure]) -> BTreeMap<String, &Failure> {
 fn violations(
     side: Side<'_>,
     failures: &[Failure],
-) -> Result<BTreeMap<String, BTreeMap<String, [bool; KINDS]>>, ReadError> {
+) -> Result<BTreeMap<String, BTreeMap<String, [bool; VIOLATIONS.len()]>>, ReadError> {
     let requirements = side.report.requirements()?;
-    let mut violated: BTreeMap<String, BTreeMap<String, [bool; KINDS]>> =
+    let mut violated: BTreeMap<String, BTreeMap<String, [bool; VIOLATIONS.len()]>> =
         requirements.into_iter().map(|name| (name, BTreeMap::new())).collect();
     for failure in failures.iter().filter(|failure| !failure.is_of_search()) {
         if let Some(violation) = &failure.violation {

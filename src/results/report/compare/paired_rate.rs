@@ -2,8 +2,11 @@ use std::collections::BTreeMap;
 
 use crate::report::infer::Comparison;
 use crate::tables::Metric;
-use crate::tables::metrics::{COLLISION_RATE, IMPACT_SPEED, compared};
+use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE, IMPACT_SPEED, PREVENTABLE_RATE, compared};
 use base::statistics::{disagreement, holm, mcnemar, mean_disagreement, mean_interval_at, mean_p, sign_flip};
+
+/// What is counted of the violations of a requirement: all, the preventable ones and the faults. The metric of collisions stands for all of them.
+pub const VIOLATIONS: [&Metric; 3] = [&COLLISION_RATE, &PREVENTABLE_RATE, &FAULT_RATE];
 
 /// What is counted in a pair of episodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,11 +23,9 @@ impl CountedEvent {
 
     /// Those of episodes, then those of each requirement, then [`CountedEvent::WORSE`].
     pub fn all<'a>(requirements: impl Iterator<Item = &'a String>) -> Vec<Self> {
-        let kinds = std::iter::once(None).chain(requirements.map(|name| Some(name.clone())));
-        let of = |requirement: Option<String>| {
-            compared().map(move |figure| Self { figure, requirement: requirement.clone() })
-        };
-        kinds.flat_map(of).chain([Self::WORSE]).collect()
+        let of_collisions = compared().map(|figure| Self { figure, requirement: None });
+        let of = |name: String| VIOLATIONS.map(|figure| Self { figure, requirement: Some(name.clone()) });
+        of_collisions.chain(requirements.cloned().flat_map(of)).chain([Self::WORSE]).collect()
     }
 
     /// The start of the columns of its rate.

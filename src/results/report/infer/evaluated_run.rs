@@ -5,7 +5,7 @@ use polars::prelude::{DataFrame, DataType, Expr, IntoLazy, PolarsResult};
 
 use crate::record::{CellKey, EpisodeTable, RunKey};
 use crate::tables::Metric;
-use crate::tables::metrics::{COLLISIONS, EPISODES, compared, inferred};
+use crate::tables::metrics::{COLLISIONS, EPISODES, inferred};
 use base::statistics::ClusteredCount;
 use world::judge::Reference;
 
@@ -130,14 +130,14 @@ impl EvaluatedRun {
         Ok(())
     }
 
-    /// Adds an episode with an event for each of the [`compared`] metrics.
-    pub fn add_events(&mut self, episode: u32, events: &[bool]) {
+    /// Adds an episode, with whether each of these shares counts it.
+    pub fn add_events<'e>(&mut self, episode: u32, events: impl Iterator<Item = (&'e Metric, bool)>) {
         let place = episode as usize;
         self.size = self.size.max(place + 1);
         self.flags.resize(self.size.min(self.most), 0);
-        let parts = compared().filter_map(|metric| metric.counted).zip(events).filter(|(_, holds)| **holds);
+        let parts = events.filter(|(_, holds)| *holds).filter_map(|(metric, _)| metric.counted);
         let mut known = 0;
-        for count in std::iter::once(&EPISODES).chain(parts.map(|(count, _)| count)) {
+        for count in std::iter::once(&EPISODES).chain(parts) {
             known |= flag(count);
             *self.counts.entry(count.name).or_default() += 1.into();
         }

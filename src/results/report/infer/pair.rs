@@ -2,11 +2,10 @@ use super::comparison::{Comparison, compare};
 use super::evaluated_run::EvaluatedRun;
 use super::place::Place;
 use crate::tables::Metric;
-use crate::tables::metrics;
 
 /// Compares the runs of one cell on two sides, such as two reports: second less first. Runs of a number belong together, and their episodes
-/// of a number have equal starts. Figures without a value on a side are left out; p is not adjusted.
-pub fn compare_pair([mut first, mut second]: [Vec<EvaluatedRun>; 2]) -> Vec<Comparison> {
+/// of a number have equal starts. Metrics without a value on a side are left out; p is not adjusted.
+pub fn compare_pair([mut first, mut second]: [Vec<EvaluatedRun>; 2], metrics: &[&'static Metric]) -> Vec<Comparison> {
     // Cells of a place differ in their keys, so the driver's name tells the sides apart.
     first.iter_mut().for_each(|run| run.key.policy = "first".into());
     second.iter_mut().for_each(|run| run.key.policy = "second".into());
@@ -27,5 +26,5 @@ pub fn compare_pair([mut first, mut second]: [Vec<EvaluatedRun>; 2]) -> Vec<Comp
         }
         Some(found)
     };
-    metrics::compared().filter_map(compared).collect()
+    metrics.iter().copied().filter_map(compared).collect()
 }

@@ -2,19 +2,55 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use polars::prelude::PolarsResult;
+use polars::prelude::{DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, MaintainOrderJoin, PolarsResult, col};
 
 use super::{ReadError, StoredReport};
 use crate::failure::{Failure, FoundBy};
-use crate::record::columns::{DRIVER, MIN_GAP, NUMBER, REWARD, RUN_ID, TOWN};
+use crate::record::columns::{DRIVER, EPISODE, MIN_GAP, NUMBER, REWARD, RUN_ID, TOWN};
 use crate::record::{CellKey, EPISODES, EpisodeTable, RunKey};
 use crate::report::actors::{ACTORS, NEEDED, ROLE};
 use crate::report::aggregate::{APPLIES, METHOD, REQUIREMENT, REQUIREMENTS, SEARCH_BLOCK, SEARCH_RUN, SEARCHES};
-use crate::report::failure_table::{FAILURES, Row, read_failures};
+use crate::report::failure_table::{FAILURES, Row, failure_table, read_failures};
+use crate::tables::Metric;
 use compile::RunId;
 
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 17;
+
+/// The touches of evaluations, with what the table of failures has of each.
+#[derive(Debug)]
+pub struct Touches {
+    runs: BTreeMap<RunId, Vec<DataFrame>>,
+}
+
+impl Touches {
+    /// Which rows of the episodes of a run each of these shares counts.
+    ///
+    /// # Errors
+    /// Those of polars, of a damaged table.
+    pub fn counted(&self, run: RunId, episodes: &DataFrame, shares: &[&Metric]) -> PolarsResult<Vec<Vec<bool>>> {
+        let mut touches: Option<DataFrame> = None;
+        for part in self.runs.get(&run).into_iter().flatten() {
+            match &mut touches {
+                Some(all) => drop(all.vstack_mut(part)?),
+                None => touches = Some(part.clone()),
+            }
+        }
+        let touches = touches.unwrap_or_else(|| failure_table().frame(&[]));
+        let is_known = |name: &str| episodes.get_column_index(name).is_some();
+        let more: Vec<Expr> =
+            touches.get_column_names().iter().filter(|name| !is_known(name)).map(|name| col(name.as_str())).collect();
+        let number = col(NUMBER.name).cast(DataType::UInt32).alias(EPISODE.name);
+        let touches = touches.lazy().select([vec![number], more].concat());
+        let order = JoinArgs { maintain_order: MaintainOrderJoin::Left, ..JoinArgs::new(JoinType::Left) };
+        let parts: Vec<Expr> = shares.iter().map(|share| (share.part)().alias(share.name)).collect();
+        let joined = episodes.clone().lazy().join(touches, [col(EPISODE.name)], [col(EPISODE.name)], order);
+        let found = joined.select(parts).collect()?;
+        let rows =
+            |share: &&Metric| Ok(found.column(share.name)?.bool()?.iter().map(|row| row == Some(true)).collect());
+        shares.iter().map(rows).collect()
+    }
+}
 
 impl StoredReport {
     /// The names of the requirements that its table has degrees of: those of its evaluations, and the goals of its searches.
@@ -61,6 +97,29 @@ impl StoredReport {
         })?;
         self.add_needs(&mut found)?;
         Ok(found)
+    }
+
+    /// The touches of evaluations, run by run.
+    ///
+    /// # Errors
+    /// As [`StoredReport::failures`].
+    pub fn touches(&self) -> Result<Touches, ReadError> {
+        let mut runs: BTreeMap<RunId, Vec<DataFrame>> = BTreeMap::new();
+        self.each_part(FAILURES, ROWS, |rows| {
+            let (ids, requirements) = (RUN_ID.read(rows)?, REQUIREMENT.read(rows)?);
+            let mut first = 0;
+            while first < rows.height() {
+                let is_same = |row: &usize| ids.get(*row) == ids.get(first);
+                let count = (first..rows.height()).take_while(is_same).count();
+                let own = rows.slice(first as i64, count).filter(&requirements.slice(first as i64, count).is_null())?;
+                if let Some(id) = ids.get(first).and_then(|id| id.parse().ok()) {
+                    runs.entry(id).or_default().push(own);
+                }
+                first += count;
+            }
+            Ok(())
+        })?;
+        Ok(Touches { runs })
     }
 
     /// The keys of evaluations and searches.
