@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::jobs::Find;
+use crate::jobs::SearchFailure;
 use crate::record::{CellKey, EpisodeTable, RunKey};
 use base::choice;
 use compile::SearchKey;
@@ -284,8 +284,8 @@ impl Failure {
     }
 }
 
-impl From<&Find<'_>> for Failure {
-    fn from(find: &Find<'_>) -> Self {
+impl From<&SearchFailure<'_>> for Failure {
+    fn from(find: &SearchFailure<'_>) -> Self {
         let (outcome, verdict) = (&find.failure.outcome, find.verdict());
         let struck = verdict.filter(|verdict| !verdict.is_bump());
         let violation = find.violation();

@@ -429,7 +429,7 @@ fn results(campaign: &Campaign) -> String {
     }
     for search in finished.all::<SearchResult>() {
         let _ = writeln!(text, "{} episodes from {} starts", search.spent.episodes, search.spent.starts);
-        for find in search.finds() {
+        for find in search.failures() {
             let shown = shown(&find.failure.outcome, find.verdict().as_ref());
             let _ = write!(text, "start {}: {shown}", find.failure.start);
         }

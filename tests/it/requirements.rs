@@ -203,7 +203,7 @@ fn every_method_searches_for_violations_of_its_goal() {
         let name = &search.key.falsifier;
         assert!(!result.spent.failures.is_empty(), "{name} finds one in {} episodes", result.spent.episodes);
         for failure in result.spent.failures.iter().take(5) {
-            let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
+            let repeatable = Repeatable::SearchFailure { search, start: failure.start, commands: &failure.commands };
             let results::jobs::Repeated { judged: Judged { outcome, .. }, trace, .. } =
                 repeatable.repeat(&seed).unwrap();
             assert_eq!(outcome.digest, failure.outcome.digest, "{name}");
@@ -238,7 +238,7 @@ fn every_method_searches_for_violations_of_its_goal() {
         finished
             .all::<results::jobs::SearchResult>()
             .iter()
-            .flat_map(|it| it.finds())
+            .flat_map(|it| it.failures())
             .filter(|find| find.is(blame))
             .count()
     };

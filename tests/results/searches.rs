@@ -69,7 +69,7 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
         assert!(spent.failures.len() as u64 <= spent.episodes && spent.starts.count() <= spent.episodes, "{name}");
         let walks = ["chance", "home", "meet", "learner", "pair", "kinds", "narrow"].contains(&name.as_str());
         assert_eq!(result.evaluated.len(), if walks { 20 } else { 0 }, "{name}");
-        for find in result.finds() {
+        for find in result.failures() {
             let again = find.repeatable(search).repeat(&Seed::root(5)).map(|repeated| repeated.judged.outcome);
             assert_eq!(again, Some(find.failure.outcome), "{name}: a failure does not repeat");
         }
@@ -196,7 +196,7 @@ fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_be
     ));
     let results = run(&plan);
     let distinct = |result: &SearchResult| {
-        let faults = result.finds().filter(|find| find.is(Blame::Fault));
+        let faults = result.failures().filter(|find| find.is(Blame::Fault));
         faults.map(|find| find.failure.cell).collect::<std::collections::BTreeSet<_>>().len()
     };
     let controller = |result: &SearchResult| {
@@ -213,7 +213,7 @@ fn every_failure_of_a_search_has_a_verdict() {
     let results = run(&campaign);
     let mut preventable = 0;
     for result in &results {
-        for find in result.finds() {
+        for find in result.failures() {
             let (failure, verdict) = (find.failure, find.verdict().expect("the driver is deterministic"));
             assert_eq!(Some(verdict.impact_speed), failure.outcome.impact_speed());
             preventable += u64::from(verdict.is_preventable());

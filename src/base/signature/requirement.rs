@@ -88,7 +88,7 @@ impl Requirement {
 
 impl Temporal {
     /// What must hold for the formula to say anything: what stands before each `implies`, which is its negation or the rest. Empty of a formula that
-    /// always says something, as one does that has a part without any. What stands before an `implies` within another must hold together with that.
+    /// always says something, as one does that has a part without any. The antecedents of an `implies` within another must hold together with that.
     pub fn conditions(&self) -> Vec<Self> {
         match self {
             Self::Constant(_) | Self::Part(_) => Vec::new(),

@@ -7,7 +7,7 @@ use compile::{Campaign, Job, Training};
 use results::campaign::Finished;
 use results::jobs::{SearchResult, TrainingResult, pedestrian_files};
 use results::report::{
-    Call, FileRecord, Findings, Gathered, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
+    Call, FileRecord, Findings, Aggregates, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
     TrainingRecord, WriteError, held_places,
 };
 use results::store::{CODE, vector_instructions};
@@ -22,7 +22,7 @@ pub struct Times {
 
 /// Whether the report is complete. It has the whole results of all jobs, and all episodes of the plan, each with a reward
 /// that is a number. Each driver reached the end of an episode in each town.
-fn is_complete(finished: &Finished, gathered: &Gathered) -> bool {
+fn is_complete(finished: &Finished, gathered: &Aggregates) -> bool {
     finished.is_whole
         && gathered.all_tried
         && gathered.untried == 0

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::stored::Source;
 use super::{EpisodeName, Error};
 use compile::{Evaluation, Search};
-use results::jobs::{Find, Repeatable};
+use results::jobs::{SearchFailure, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
 use world::cause::{Cause, Incident, Questions, RunLimit, Shrunk, explain, shrink};
@@ -109,7 +109,7 @@ impl Source {
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
         let read = report::read_failures(&stored, &BTreeMap::new()).ok();
         let followed = read.and_then(|mut found| found.pop()).and_then(|failure| {
-            let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
+            let repeatable = Repeatable::SearchFailure { search, start: failure.start, commands: &failure.commands };
             Some((repeatable.repeat(&self.seed)?, failure))
         });
         let Some((seen, failure)) = followed else {
@@ -129,7 +129,7 @@ impl Source {
                 // No column that is compared has the number of simulations.
                 let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation, cell };
                 let (number, judged) = (name.number as usize, Some(&seen.judged));
-                let find = Find { id, key, scenario, number, failure: &failure, judged };
+                let find = SearchFailure { id, key, scenario, number, failure: &failure, judged };
                 report::failure_table().frame(&[results::failure::Failure::from(&find)])
             }
             None => Default::default(),

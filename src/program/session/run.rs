@@ -12,7 +12,7 @@ use base::seed::Seed;
 use compile::{Campaign, ExternalProgram};
 use results::campaign::{self, Finished, Task};
 use results::jobs::SearchResult;
-use results::report::{self, Episodes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Section, WriteError};
+use results::report::{self, Episodes, Findings, Gate, Aggregates, Judged, Manifest, ReportFolder, Section, WriteError};
 use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
 /// Which tasks are run.
@@ -255,7 +255,7 @@ impl<'a> CampaignRun<'a> {
         let campaign = self.campaign;
         let seed = Seed::root(self.options.seed);
         let episodes = Episodes::new(campaign, results);
-        let gathered = report::gather(draft, &episodes, finished.all::<SearchResult>());
+        let gathered = report::aggregate_episodes(draft, &episodes, finished.all::<SearchResult>());
         let gathered = gathered.map_err(|error| self.options.keep(error))?;
         self.check(results)?;
         if gathered.episodes == 0 && finished.is_empty {
@@ -312,13 +312,13 @@ impl<'a> CampaignRun<'a> {
     }
 
     /// Reports errors of episodes to the observer.
-    fn notice_errors(&self, gathered: &Gathered) {
+    fn notice_errors(&self, gathered: &Aggregates) {
         let campaign = || self.name.clone();
         if let Some(first) = gathered.first_unpaid.clone() {
             self.session.notice(&Notice::Unpaid { campaign: campaign(), episodes: gathered.unpaid, first });
         }
         if let Some(first) = gathered.first_error.clone() {
-            let Gathered { errors, untried, episodes, .. } = *gathered;
+            let Aggregates { errors, untried, episodes, .. } = *gathered;
             self.session.notice(&Notice::EpisodesInError { campaign: campaign(), errors, episodes, untried, first });
         }
     }

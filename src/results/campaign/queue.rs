@@ -12,7 +12,7 @@ const ROUNDS: u32 = 20;
 /// The tasks that are ready, shared by several workers.
 pub(super) struct Queue {
     tasks: Mutex<Tasks>,
-    bell: Condvar,
+    changed: Condvar,
 }
 
 struct Tasks {
@@ -38,7 +38,7 @@ impl Queue {
     pub fn new(ready: VecDeque<Task>, later: usize) -> Self {
         let left = ready.len() + later;
         let tasks = Tasks { ready, elsewhere: Vec::new(), left, rounds: 0, ended: false };
-        Self { tasks: Mutex::new(tasks), bell: Condvar::new() }
+        Self { tasks: Mutex::new(tasks), changed: Condvar::new() }
     }
 
     fn tasks(&self) -> MutexGuard<'_, Tasks> {
@@ -57,7 +57,7 @@ impl Queue {
     /// Waits for a moment; a change of the queue ends the wait early.
     pub fn wait(&self) {
         let tasks = self.tasks();
-        let (mut tasks, _) = self.bell.wait_timeout(tasks, WAIT).unwrap_or_else(PoisonError::into_inner);
+        let (mut tasks, _) = self.changed.wait_timeout(tasks, WAIT).unwrap_or_else(PoisonError::into_inner);
         tasks.rounds += 1;
         if tasks.rounds.is_multiple_of(ROUNDS) {
             let elsewhere = std::mem::take(&mut tasks.elsewhere);
@@ -78,12 +78,12 @@ impl Queue {
             tasks.ready.push_front(*task);
         }
         drop(tasks);
-        self.bell.notify_all();
+        self.changed.notify_all();
     }
 
     /// Ends all workers.
     pub fn end(&self) {
         self.tasks().ended = true;
-        self.bell.notify_all();
+        self.changed.notify_all();
     }
 }

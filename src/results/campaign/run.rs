@@ -14,7 +14,7 @@ use compile::{Campaign, Job};
 
 /// How long a thread without a task looks out for parts of the tasks of others after it has done one. The parts of a training follow each other within
 /// less, and a thread that sleeps between them misses all.
-const ATTENTION: Duration = Duration::from_millis(1);
+const SPIN_TIME: Duration = Duration::from_millis(1);
 
 /// Runs a campaign on the present rayon pool.
 ///
@@ -119,7 +119,7 @@ impl Workers<'_> {
                 Next::Wait => {
                     if rayon::yield_now() == Some(Yield::Executed) {
                         helped = Instant::now();
-                    } else if helped.elapsed() > ATTENTION {
+                    } else if helped.elapsed() > SPIN_TIME {
                         self.queue.wait();
                     } else {
                         std::hint::spin_loop();

@@ -21,7 +21,7 @@ pub(crate) use cover::percent_above;
 pub use episodes::watch;
 pub use measurement::{Measured, Measurement};
 pub use repeat::{Repeatable, Repeated};
-pub use search::{Find, SearchResult};
+pub use search::{SearchFailure, SearchResult};
 pub use training::{TrainingResult, learning_curve_lines, networks, pedestrian_files};
 
 use crate::campaign::{Collect, Part, State, TaskError};

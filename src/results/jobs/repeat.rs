@@ -17,7 +17,7 @@ pub enum Repeatable<'a> {
     /// An episode of an evaluation. A trained pedestrian needs its networks.
     Episode { evaluation: &'a Evaluation, networks: Option<&'a [ActorCritic]>, number: u32 },
     /// A failure that a search found from a start.
-    Find { search: &'a Search, start: u64, commands: &'a [WalkCommand] },
+    SearchFailure { search: &'a Search, start: u64, commands: &'a [WalkCommand] },
 }
 
 /// An episode that was repeated.
@@ -62,7 +62,7 @@ impl Repeatable<'_> {
                 let seen = watch(evaluation, networks, number..number + 1, seed, note, go_on).pop()?;
                 (&evaluation.scenario, start, seen)
             }
-            Self::Find { search, start, commands } => {
+            Self::SearchFailure { search, start, commands } => {
                 let starts = search.starts(seed);
                 (&search.scenario, (starts, start), follow(&search.scenario, starts, start, commands)?)
             }

@@ -45,7 +45,7 @@ pub struct SearchResult {
 
 /// A failure that a search found.
 #[derive(Debug, Clone, Copy)]
-pub struct Find<'a> {
+pub struct SearchFailure<'a> {
     /// The short name of its search.
     pub id: RunId,
     pub key: &'a SearchKey,
@@ -80,9 +80,9 @@ impl SearchResult {
     }
 
     /// Its failures, in the order in which they were found.
-    pub fn finds(&self) -> impl Iterator<Item = Find<'_>> + Clone {
+    pub fn failures(&self) -> impl Iterator<Item = SearchFailure<'_>> + Clone {
         let Self { id, key, scenario, judged, .. } = self;
-        self.spent.failures.iter().enumerate().map(move |(number, failure)| Find {
+        self.spent.failures.iter().enumerate().map(move |(number, failure)| SearchFailure {
             id: *id,
             key,
             scenario,
@@ -93,10 +93,10 @@ impl SearchResult {
     }
 }
 
-impl<'a> Find<'a> {
+impl<'a> SearchFailure<'a> {
     /// What repeats it.
     pub fn repeatable(&self, search: &'a Search) -> Repeatable<'a> {
-        Repeatable::Find { search, start: self.failure.start, commands: &self.failure.commands }
+        Repeatable::SearchFailure { search, start: self.failure.start, commands: &self.failure.commands }
     }
 
     /// The verdict on its touch.
@@ -199,7 +199,7 @@ impl Work for Search {
         });
         let repeated = |failure: &Failure| {
             // A failure is repeated outside of the budget.
-            let repeatable = Repeatable::Find { search: self, start: failure.start, commands: &failure.commands };
+            let repeatable = Repeatable::SearchFailure { search: self, start: failure.start, commands: &failure.commands };
             let judged = repeatable.repeat(part.seed)?.judged;
             (judged.outcome.digest == failure.outcome.digest).then_some(judged)
         };

@@ -11,7 +11,7 @@ use crate::tables::metrics::{COLLISIONS, MACHINE_PREVENTABLE_COLLISIONS, UNPREVE
 /// Fewer collisions than this say nothing about the starts.
 const MIN_COLLISIONS: u64 = 10;
 /// Above this share of unpreventable collisions a caution is due.
-const MAX_HOPELESS: f64 = 0.9;
+const MAX_UNAVOIDABLE: f64 = 0.9;
 
 /// What a reader must know before the figures of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub enum Caution {
         town: String,
         /// The collisions there in evaluations, and those that no careful human avoids.
         collisions: u64,
-        hopeless: u64,
+        unavoidable: u64,
     },
     /// A search had no episode.
     EmptySearch {
@@ -38,9 +38,9 @@ impl fmt::Display for Caution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OffRoad(driver) => driver.fmt(f),
-            Self::NoChance { town, collisions, hopeless } => write!(
+            Self::NoChance { town, collisions, unavoidable } => write!(
                 f,
-                "no careful human avoids {hopeless} of the {collisions} collisions in {town}: most starts are unavoidable at that speed, so few \
+                "no careful human avoids {unavoidable} of the {collisions} collisions in {town}: most starts are unavoidable at that speed, so few \
                  faults say little about a driver; let the pedestrian start farther away"
             ),
             Self::EmptySearch { search, budget } => write!(
@@ -69,9 +69,9 @@ fn no_chance(cells: &Cells) -> Vec<Caution> {
     let by_town =
         cells.sums(&[WORLD, TOWN], &[&COLLISIONS, &MACHINE_PREVENTABLE_COLLISIONS, &UNPREVENTABLE_COLLISIONS]);
     let caution = |(key, [collisions, machine, unpreventable]): (CellKey, [u64; 3])| {
-        let hopeless = machine + unpreventable;
-        let nearly_all = collisions >= MIN_COLLISIONS && hopeless as f64 > MAX_HOPELESS * collisions as f64;
-        nearly_all.then(|| Caution::NoChance { town: key.place(), collisions, hopeless })
+        let unavoidable = machine + unpreventable;
+        let nearly_all = collisions >= MIN_COLLISIONS && unavoidable as f64 > MAX_UNAVOIDABLE * collisions as f64;
+        nearly_all.then(|| Caution::NoChance { town: key.place(), collisions, unavoidable })
     };
     by_town.into_iter().filter_map(caution).collect()
 }
@@ -83,9 +83,9 @@ mod tests {
 
     #[test]
     fn a_town_whose_collisions_no_careful_human_avoids_is_named() {
-        let cell = |town: &str, collisions: u32, hopeless: u32| {
+        let cell = |town: &str, collisions: u32, unavoidable: u32| {
             let key = CellKey { town: town.into(), ..CellKey::default() };
-            Cell::example(key, &[(&COLLISIONS, collisions), (&UNPREVENTABLE_COLLISIONS, hopeless)], &[])
+            Cell::example(key, &[(&COLLISIONS, collisions), (&UNPREVENTABLE_COLLISIONS, unavoidable)], &[])
         };
         let cells = Cells::example(&[cell("bend", 9, 9), cell("bend", 9, 8), cell("few", 9, 9), cell("fair", 20, 15)]);
         let said: Vec<String> = cautions(&cells, &[], &[]).iter().map(ToString::to_string).collect();

@@ -10,7 +10,7 @@ use super::infer::{BEATS_UNTRAINED, CellEvidence, IMPACT_SPEED_P90, reference_ra
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key};
 use crate::tables::metrics::{IMPACT_SPEED, inferred};
-use crate::tables::{Cells, IS_OF_CASES, cell_columns, key_columns};
+use crate::tables::{Cells, IS_FIXED_CASES, cell_columns, key_columns};
 use base::statistics::wilson;
 use world::judge::Reference;
 
@@ -49,7 +49,7 @@ pub fn gate_table(found: &Findings<'_>, requirements: &[&str]) -> PolarsResult<D
     let ends = ends.filter(|column| matches!(column.role, Role::LowerBound | Role::UpperBound));
     let of_samples = |column: ColumnReference| -> Expr {
         let name = column.name.into_owned();
-        when(col(IS_OF_CASES.name).not()).then(col(&name)).otherwise(lit(NULL)).alias(&name)
+        when(col(IS_FIXED_CASES.name).not()).then(col(&name)).otherwise(lit(NULL)).alias(&name)
     };
     table = table.lazy().with_columns(ends.map(of_samples).collect::<Vec<_>>()).collect()?;
     table = beside(table, test_table().frame(&gathered.tests))?;

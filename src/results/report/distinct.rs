@@ -116,7 +116,7 @@ fn runs_of(incident: &Incident) -> u32 {
     (MAX_TICKS / ticks).clamp(1, MAX_RUNS.into()) as u32
 }
 
-/// Whether the driver of a failure is a program of the user, or it happened in another simulator: runs of these are dear.
+/// Whether the driver of a failure is a program of the user, or it happened in another simulator: they are expensive to run.
 pub fn is_of_program(found: &Findings<'_>, failure: &Failure) -> bool {
     failure.key.cell.is_elsewhere()
         || found.drivers.iter().any(|each| each.driver.name == failure.key.cell.policy && each.driver.is_external())

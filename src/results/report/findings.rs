@@ -4,7 +4,7 @@ use super::actors::{CastFailure, cast_failures};
 use super::caution::{Caution, cautions};
 use super::distinct::listed_findings;
 use super::{
-    CellEvidence, DistinctFailure, Doubt, DriverResult, Gathered, ProtocolCell, PublishedComparison, SearchCell,
+    CellEvidence, DistinctFailure, Doubt, DriverResult, Aggregates, ProtocolCell, PublishedComparison, SearchCell,
     SearchComparison, beside, doubts, driver_results, layer_cells, search_cells, search_comparisons,
 };
 use crate::campaign::Finished;
@@ -20,7 +20,7 @@ pub struct Findings<'a> {
     pub campaign: &'a Campaign,
     pub finished: &'a Finished,
     /// What one pass over the episodes gave.
-    pub gathered: Gathered,
+    pub gathered: Aggregates,
     /// The cells, without those that differ from an earlier one in the reward of an untrained pedestrian alone.
     pub cells: Cells,
     /// What was found about each driver, the worst first.
@@ -47,7 +47,7 @@ pub struct Findings<'a> {
 
 impl<'a> Findings<'a> {
     /// Works them out.
-    pub fn new(campaign: &'a Campaign, finished: &'a Finished, gathered: Gathered, seed: &Seed, smoke: bool) -> Self {
+    pub fn new(campaign: &'a Campaign, finished: &'a Finished, gathered: Aggregates, seed: &Seed, smoke: bool) -> Self {
         let (cells, evidence) = (gathered.cells.clone(), &gathered.evidence.cells);
         let searches = search_cells(finished.all::<SearchResult>());
         let layers = layer_cells(campaign, finished.all::<SearchResult>());

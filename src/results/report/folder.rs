@@ -11,7 +11,7 @@ use super::held_programs::PROGRAMS;
 use super::parquet::write_parquet;
 use super::scenario_files::SCENARIO;
 use super::staging::staging_file;
-use super::table_stream::{Watched, cause};
+use super::table_stream::{ErrorRecorder, cause};
 use super::{FileRecord, Manifest, TableStream, catalogue};
 use crate::jobs::KINDS;
 use crate::record::said_rows;
@@ -83,7 +83,7 @@ impl ReportFolder {
     pub fn begin(out: &Path, name: &str, drafts: &Path) -> Result<Self, WriteError> {
         let folder = |source| WriteError::Folder { path: out.to_path_buf(), source };
         fs::create_dir_all(out).map_err(folder)?;
-        make_way(&out.join(name))?;
+        check_replaceable(&out.join(name))?;
         let draft = tempfile::Builder::new().prefix("report-").tempdir_in(drafts).map_err(folder)?;
         let formats = Formats { csv: true, parquet: true };
         Ok(Self { out: out.to_path_buf(), name: name.to_string(), draft, formats })
@@ -128,10 +128,10 @@ impl ReportFolder {
     /// # Errors
     /// A file cannot be written.
     pub fn stream(&self, name: &str, schema: &Schema) -> Result<TableStream, WriteError> {
-        let open = |end: &str| -> Result<(PathBuf, Watched), WriteError> {
+        let open = |end: &str| -> Result<(PathBuf, ErrorRecorder), WriteError> {
             let path = self.draft.path().join(format!("{name}.{end}"));
             match fs::File::create(&path) {
-                Ok(file) => Ok((path, Watched::new(file))),
+                Ok(file) => Ok((path, ErrorRecorder::new(file))),
                 Err(source) => Err(WriteError::File { path, source }),
             }
         };
@@ -142,17 +142,17 @@ impl ReportFolder {
     pub(super) fn write(
         &self,
         name: &str,
-        fill: impl FnOnce(&mut Watched) -> io::Result<()>,
+        fill: impl FnOnce(&mut ErrorRecorder) -> io::Result<()>,
     ) -> Result<(), WriteError> {
         let path = self.draft.path().join(name);
         let failed = |source| WriteError::File { path: path.clone(), source };
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(failed)?;
         }
-        let mut writer = Watched::new(fs::File::create(&path).map_err(failed)?);
+        let mut writer = ErrorRecorder::new(fs::File::create(&path).map_err(failed)?);
         let filled = fill(&mut writer).and_then(|()| writer.flush());
         filled.map_err(|error| failed(cause(&writer.failure(), error)))?;
-        writer.again().and_then(|file| file.sync_all()).map_err(failed)
+        writer.clone_file().and_then(|file| file.sync_all()).map_err(failed)
     }
 
     /// Adds the digests of all other files to the manifest.
@@ -196,7 +196,7 @@ impl ReportFolder {
         let place = if complete { &whole } else { &partial };
         self.seal()?;
         Self::swap(self.draft.path(), place)?;
-        if complete && partial.exists() && make_way(&partial).is_ok() {
+        if complete && partial.exists() && check_replaceable(&partial).is_ok() {
             let _ = fs::remove_dir_all(&partial);
         }
         Ok(place.clone())
@@ -204,7 +204,7 @@ impl ReportFolder {
 
     fn swap(draft: &Path, place: &Path) -> Result<(), WriteError> {
         let failed = |source| WriteError::File { path: place.to_path_buf(), source };
-        make_way(place)?;
+        check_replaceable(place)?;
         set_mode(draft, 0o755).map_err(failed)?;
         let old = draft.with_extension("old");
         if place.exists() {
@@ -337,7 +337,7 @@ pub fn write_table(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
 }
 
 /// Checks that a place holds no other data: it is empty, or holds a report and nothing else.
-fn make_way(place: &Path) -> Result<(), WriteError> {
+fn check_replaceable(place: &Path) -> Result<(), WriteError> {
     let Ok(kind) = fs::symlink_metadata(place) else { return Ok(()) };
     let occupied = |path: &Path| Err(WriteError::Occupied { path: path.to_path_buf() });
     if !kind.is_dir() {

@@ -109,7 +109,7 @@ fn of_metric<'a>(metric: &Metric, cell: &'a Cell, evidence: Option<&CellEvidence
     }
     let average = cell.rate(metric);
     let across = evidence.and_then(|found| found.between(metric)?.interval);
-    let student = across.filter(|_| !cell.is_of_cases());
+    let student = across.filter(|_| !cell.is_fixed_cases());
     let of_runs = Row { by_run: average.by_run, ..row(cell.runs(), average.value) };
     if metric.is_share() {
         let (of, ends) = (cell.whole(metric).into(), average.interval);
@@ -186,7 +186,7 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
 
 /// The number of episodes in which a requirement applied.
 fn applied_metric(requirement: &str) -> ColumnReference {
-    let doc = "number of episodes in which what stands before an `implies` of that requirement held; 0: nothing is known of its violations";
+    let doc = "number of episodes in which the antecedent of an `implies` of that requirement held; 0: nothing is known of its violations";
     let name = applied_to(requirement);
     ColumnReference { name: name.clone().into(), doc: doc.into(), figure: name.into(), ..RUNS.reference() }
 }
@@ -215,7 +215,7 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
     );
     for (metric, part) in Reference::ALL.into_iter().flat_map(|reference| found.rates_of(reference)) {
         let of = found.episodes.count();
-        let ends = (!cell.is_of_cases()).then(|| wilson(part, found.episodes));
+        let ends = (!cell.is_fixed_cases()).then(|| wilson(part, found.episodes));
         rows.push(Row { ends, interval: wilson_of(ends), ..row(metric, of, part.share_of(&found.episodes)) });
     }
 }

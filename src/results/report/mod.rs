@@ -40,7 +40,7 @@ pub use crate::tables::{Method, Rate};
 pub use actors::CastFailure;
 pub(crate) use aggregate::search_table;
 pub use aggregate::{
-    Colour, DriverResult, Episodes, Failures, Gathered, Run, SearchCell, beside, driver_results, gather,
+    Colour, DriverResult, Episodes, Failures, Aggregates, Run, SearchCell, beside, driver_results, aggregate_episodes,
     search_cell_table, search_cells, searches, ticks, worst_failure,
 };
 pub use catalogue::catalogue;
@@ -59,7 +59,7 @@ pub use compare::{
 };
 pub use overview::{Found, Overview, Variant};
 pub use recheck::{
-    CrossedStarts, Encounter, Encounters, Met, Recheck, RecheckNote, RecheckedFailures, WalkedBy, crossed_table,
+    CrossedStarts, Encounter, Encounters, RerunOutcome, Recheck, RecheckNote, RecheckedFailures, WalkedBy, crossed_table,
     rechecked_table,
 };
 
@@ -92,7 +92,7 @@ pub(crate) use aggregate::{
     CellRequirement, ProtocolCell, PublishedComparison, SearchComparison, SearchFailures, layer_cells, score,
     search_comparisons,
 };
-pub(crate) use infer::{CellEvidence, Comparison, Evidence, Gathering, Test};
+pub(crate) use infer::{CellEvidence, Comparison, Evidence, EvidenceBuilder, Test};
 pub(crate) use recheck::{NOT_MET, StartFaults, is_gone, is_not_met};
 pub(crate) use render::{search_section, svg, table, town_map};
 pub(crate) use replayed::PlayedFailure;

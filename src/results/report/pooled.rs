@@ -100,7 +100,7 @@ impl<'a> Pooled<'a> {
     /// The rows that are runs of their own: fixed cases that end alike at every seed are one.
     pub fn runs(&self) -> &[&'a OverviewRow<'a>] {
         let figures = |row: &OverviewRow<'_>| compared().map(|metric| of_row(row, metric)).collect::<Vec<_>>();
-        let is_fixed = |row: &OverviewRow<'_>| matches!(row.found, Found::Evaluated(cell) if cell.is_of_cases());
+        let is_fixed = |row: &OverviewRow<'_>| matches!(row.found, Found::Evaluated(cell) if cell.is_fixed_cases());
         let first = self.rows[0];
         let are_one = self.rows.iter().all(|row| is_fixed(row) && figures(row) == figures(first));
         if are_one { &self.rows[..1] } else { &self.rows }

@@ -26,7 +26,7 @@ pub struct Repeats {
     /// By start: the digest of its episodes; `None` if they are not all equal.
     starts: BTreeMap<StartBits, Option<String>>,
     /// Whether a start came again.
-    come_again: bool,
+    has_duplicates: bool,
     /// The starts of the rows that were kept.
     kept: BTreeSet<StartBits>,
 }
@@ -55,7 +55,7 @@ impl Repeats {
     pub fn add(&mut self, start: StartBits, digest: &str) {
         match self.starts.get_mut(&start) {
             Some(known) => {
-                self.come_again = true;
+                self.has_duplicates = true;
                 known.take_if(|known| known != digest);
             }
             None => drop(self.starts.insert(start, Some(digest.to_owned()))),
@@ -64,12 +64,12 @@ impl Repeats {
 
     /// Whether the starts are those of a grid: they come again, so they are no sample.
     pub fn is_grid(&self) -> bool {
-        self.come_again
+        self.has_duplicates
     }
 
     /// Whether an episode only repeats one that was kept before; one that does not is kept.
     pub fn repeats(&mut self, start: StartBits) -> bool {
-        self.come_again && self.starts.get(&start).is_some_and(Option::is_some) && !self.kept.insert(start)
+        self.has_duplicates && self.starts.get(&start).is_some_and(Option::is_some) && !self.kept.insert(start)
     }
 }
 

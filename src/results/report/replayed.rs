@@ -16,7 +16,7 @@ pub fn played_failure<'a>(name: &str, found: &Findings<'a>, seed: &Seed) -> Opti
     let (run, number) = name.split_once(':')?;
     if let Some(search) = campaign.all::<compile::Search>().find(|planned| planned.origin.id.to_string() == run) {
         let result = finished.all::<SearchResult>().iter().find(|result| result.key == search.key)?;
-        let find = result.finds().nth(number.parse().ok()?)?;
+        let find = result.failures().nth(number.parse().ok()?)?;
         let mut repeated = find.repeatable(search).repeat(seed)?;
         repeated.judged.verdict = find.verdict();
         return Some((name.to_owned(), &search.key.town, repeated));

@@ -11,7 +11,7 @@ use super::WriteError;
 use super::parquet::ParquetFile;
 
 /// A file that remembers why it could not be written. Polars has other words for that, such as "transport error".
-pub(super) struct Watched {
+pub(super) struct ErrorRecorder {
     writer: BufWriter<File>,
     failure: Failure,
 }
@@ -19,7 +19,7 @@ pub(super) struct Watched {
 /// Why a file could not be written.
 pub(super) type Failure = Arc<Mutex<Option<io::Error>>>;
 
-impl Watched {
+impl ErrorRecorder {
     /// Writes to a file.
     pub fn new(file: File) -> Self {
         Self { writer: BufWriter::new(file), failure: Arc::default() }
@@ -31,7 +31,7 @@ impl Watched {
     }
 
     /// The file once more.
-    pub fn again(&self) -> io::Result<File> {
+    pub fn clone_file(&self) -> io::Result<File> {
         self.writer.get_ref().try_clone()
     }
 
@@ -43,7 +43,7 @@ impl Watched {
     }
 }
 
-impl Write for Watched {
+impl Write for ErrorRecorder {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.writer.write(bytes);
         self.noted(written)
@@ -66,8 +66,8 @@ const GROUP: usize = 1 << 16;
 /// A table that is written part by part, as CSV, as Parquet or both, so that it need not fit in memory.
 pub struct TableStream {
     waiting: DataFrame,
-    csv: Option<Stream<CsvPieces<Watched>>>,
-    parquet: Option<Stream<ParquetFile<Watched>>>,
+    csv: Option<Stream<CsvPieces<ErrorRecorder>>>,
+    parquet: Option<Stream<ParquetFile<ErrorRecorder>>>,
 }
 
 /// A file in one of the formats.
@@ -81,10 +81,10 @@ struct Stream<W> {
 
 impl<W> Stream<W> {
     fn begin(
-        (path, writer): (PathBuf, Watched),
-        begin: impl FnOnce(Watched) -> PolarsResult<W>,
+        (path, writer): (PathBuf, ErrorRecorder),
+        begin: impl FnOnce(ErrorRecorder) -> PolarsResult<W>,
     ) -> Result<Self, WriteError> {
-        let file = writer.again().map_err(|source| WriteError::File { path: path.clone(), source })?;
+        let file = writer.clone_file().map_err(|source| WriteError::File { path: path.clone(), source })?;
         let failure = writer.failure();
         let pieces = begin(writer).map_err(|error| failed(&path, &failure, error))?;
         Ok(Self { path, failure, pieces, file })
@@ -106,8 +106,8 @@ impl<W> Stream<W> {
 impl TableStream {
     pub(super) fn begin(
         schema: &Schema,
-        csv: Option<(PathBuf, Watched)>,
-        parquet: Option<(PathBuf, Watched)>,
+        csv: Option<(PathBuf, ErrorRecorder)>,
+        parquet: Option<(PathBuf, ErrorRecorder)>,
     ) -> Result<Self, WriteError> {
         let csv = csv.map(|file| Stream::begin(file, |writer| CsvWriter::new(writer).batched(schema)));
         let parquet = parquet.map(|file| Stream::begin(file, |writer| ParquetFile::new(writer, schema)));

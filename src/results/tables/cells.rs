@@ -13,7 +13,7 @@ use crate::record::{CellKey, Column, ColumnReference, Role, Table, cell_key};
 use base::statistics::{ClusteredCount, wilson};
 
 /// Whether the episodes of a run are the cases of a test, each once. They are no sample, and nothing has an interval.
-pub const IS_OF_CASES: Column<bool> = Column::new("is_of_cases", "", "whether the episodes are the cases of a test");
+pub const IS_FIXED_CASES: Column<bool> = Column::new("is_fixed_cases", "", "whether the episodes are the cases of a test");
 /// Whether an untrained pedestrian walked the same for an earlier reward of the campaign.
 pub(super) const IS_COPY: Column<bool> =
     Column::new("is_copy", "", "whether only the reward differs from an earlier row");
@@ -56,7 +56,7 @@ impl Cells {
         }
         let keys = key_columns();
         let groups: Vec<Expr> =
-            keys.iter().map(String::as_str).chain([IS_OF_CASES.name, IS_COPY.name]).map(col).collect();
+            keys.iter().map(String::as_str).chain([IS_FIXED_CASES.name, IS_COPY.name]).map(col).collect();
         let mut table = runs.clone().lazy().group_by_stable(groups).agg(aggregates()).collect()?;
         for metric in METRICS.into_iter().filter(|metric| metric.is_share()) {
             let ends = intervals(&table, metric)?;
@@ -202,7 +202,7 @@ fn by_run(metric: &Metric) -> String {
 fn intervals(table: &DataFrame, metric: &Metric) -> PolarsResult<Vec<Option<(f64, f64)>>> {
     let whole = metric.whole.map_or(metric.name, |whole| whole.name);
     let (parts, wholes) = (table.column(&metric.part_column())?.u32()?, table.column(whole)?.u32()?);
-    let (runs, of_cases) = (table.column(RUNS.name)?.u32()?, IS_OF_CASES.read(table)?);
+    let (runs, of_cases) = (table.column(RUNS.name)?.u32()?, IS_FIXED_CASES.read(table)?);
     let ends = |row: usize| {
         let runs = f64::from(runs.get(row)?);
         let starts = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(runs);
@@ -213,8 +213,8 @@ fn intervals(table: &DataFrame, metric: &Metric) -> PolarsResult<Vec<Option<(f64
 
 impl Cell {
     /// Whether its episodes are the cases of a test: its rates have no interval.
-    pub fn is_of_cases(&self) -> bool {
-        IS_OF_CASES.value(&self.table, self.row).is_ok_and(|is| is == Some(true))
+    pub fn is_fixed_cases(&self) -> bool {
+        IS_FIXED_CASES.value(&self.table, self.row).is_ok_and(|is| is == Some(true))
     }
 
     pub fn runs(&self) -> u32 {
@@ -280,7 +280,7 @@ impl Cell {
     pub fn example(key: CellKey, counts: &[(&Metric, u32)], rates: &[(&Metric, Rate)]) -> Self {
         let mut table = Table::<CellKey>::new("", "").columns(cell_key(|key: &CellKey| key)).frame(&[key.clone()]);
         let mut add = |column: Series| table.with_column(Values::from(column)).map(|_| ()).unwrap();
-        for flag in [IS_OF_CASES.name, IS_COPY.name] {
+        for flag in [IS_FIXED_CASES.name, IS_COPY.name] {
             add(Series::new(flag.into(), [false]));
         }
         add(Series::new(RUNS.name.into(), [1_u32]));

@@ -8,7 +8,7 @@ mod rate;
 mod cells;
 mod runs;
 
-pub use cells::{Cell, Cells, IS_OF_CASES, Varied, cell_columns, key_columns};
+pub use cells::{Cell, Cells, IS_FIXED_CASES, Varied, cell_columns, key_columns};
 pub use metrics::{METRICS, Metric};
 pub use rate::{Method, Rate};
 pub use runs::Runs;

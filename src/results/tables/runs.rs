@@ -2,7 +2,7 @@ use polars::prelude::{
     Column as Values, DataFrame, Expr, IntoLazy, PolarsResult, Scalar, UnionArgs, col, concat, lit, when,
 };
 
-use super::cells::{IS_COPY, IS_OF_CASES};
+use super::cells::{IS_COPY, IS_FIXED_CASES};
 use super::metrics::{HIDDEN, METRICS};
 use super::{Cells, Metric};
 use crate::record::columns::{RUN, RUN_ID};
@@ -26,8 +26,8 @@ pub struct Runs {
 
 impl Runs {
     /// Begins a run, whose episodes follow.
-    pub fn begin(&mut self, key: &RunKey, is_of_cases: bool, is_copy: bool) {
-        self.keys.push((key.clone(), is_of_cases, is_copy));
+    pub fn begin(&mut self, key: &RunKey, is_fixed_cases: bool, is_copy: bool) {
+        self.keys.push((key.clone(), is_fixed_cases, is_copy));
     }
 
     /// Adds episodes of the run that was begun last.
@@ -65,7 +65,7 @@ impl Runs {
             .column(RUN_ID.of(|row: &(RunKey, bool, bool)| row.0.id.to_string()))
             .columns(cell_key(|row: &(RunKey, bool, bool)| &row.0.cell))
             .column(RUN.of(|row: &(RunKey, bool, bool)| row.0.run))
-            .column(IS_OF_CASES.of(|row: &(RunKey, bool, bool)| row.1))
+            .column(IS_FIXED_CASES.of(|row: &(RunKey, bool, bool)| row.1))
             .column(IS_COPY.of(|row: &(RunKey, bool, bool)| row.2));
         let parts: Vec<_> = self.sums.into_iter().map(IntoLazy::lazy).collect();
         if parts.is_empty() {

@@ -108,13 +108,13 @@ pub fn around(incident: &Incident) -> Option<Around> {
     }
     let (rows, fails): (Vec<Vec<f64>>, Vec<bool>) = tried.into_iter().unzip();
     let failures = fails.iter().filter(|fails| **fails).count();
-    let rule = Ways::best(&rows, &fails).map(|(ways, error, error_without)| {
+    let rule = Rule::best(&rows, &fails).map(|(rule, error, error_without)| {
         let condition = |(feature, bound, is_at_most): (usize, f64, bool)| {
             let parameter = quantities[feature].parameter;
             let (unit, factor) = parameter.unit();
             (parameter.name(), unit, factor * bound, is_at_most)
         };
-        StartRule { conditions: ways.0.into_iter().map(condition).collect(), error, error_without }
+        StartRule { conditions: rule.0.into_iter().map(condition).collect(), error, error_without }
     });
     Some(Around { starts: fails.len(), failures, rule })
 }
@@ -133,18 +133,18 @@ impl Quantity {
 
 /// Conditions that hold together: the quantity, its bound, and whether it is at most the bound.
 #[derive(Debug, Clone, PartialEq)]
-struct Ways(Vec<(usize, f64, bool)>);
+struct Rule(Vec<(usize, f64, bool)>);
 
-impl Ways {
+impl Rule {
     fn holds(&self, row: &[f64]) -> bool {
         self.0.iter().all(|(feature, bound, is_at_most)| (row[*feature] <= *bound) == *is_at_most)
     }
 
     /// The leaf of a tree of this depth with most failures; `None` if no leaf fails.
     fn learn(rows: &[Vec<f64>], fails: &[bool], depth: u16) -> Option<Self> {
-        let count = |ways: &Self| rows.iter().zip(fails).filter(|(row, fails)| **fails && ways.holds(row)).count();
+        let count = |rule: &Self| rows.iter().zip(fails).filter(|(row, fails)| **fails && rule.holds(row)).count();
         let leaves = ClassificationTree::learn(rows, fails, depth, MIN_ROWS).hits().into_iter().map(Self);
-        leaves.max_by_key(count).filter(|ways| !ways.0.is_empty())
+        leaves.max_by_key(count).filter(|rule| !rule.0.is_empty())
     }
 
     /// The share of rows that rules of this depth tell wrongly which were made of the other rows.
@@ -153,10 +153,10 @@ impl Ways {
         for part in 0..PARTS {
             let others = (0..rows.len()).filter(|row| row % PARTS != part);
             let (seen, ends): (Vec<Vec<f64>>, Vec<bool>) = others.map(|row| (rows[row].clone(), fails[row])).unzip();
-            let ways = Self::learn(&seen, &ends, depth);
+            let rule = Self::learn(&seen, &ends, depth);
             let held_out = (0..rows.len()).filter(|row| row % PARTS == part);
             wrong +=
-                held_out.filter(|row| ways.as_ref().is_some_and(|ways| ways.holds(&rows[*row])) != fails[*row]).count();
+                held_out.filter(|row| rule.as_ref().is_some_and(|rule| rule.holds(&rows[*row])) != fails[*row]).count();
         }
         wrong as f64 / rows.len().max(1) as f64
     }
@@ -169,7 +169,7 @@ impl Ways {
         let depth = if errors[1] <= errors[0] - MIN_GAIN { 2 } else { 1 };
         let error = errors[usize::from(depth) - 1];
         let is_one = error <= MAX_ERROR.0 && error <= MAX_ERROR.1 * without;
-        is_one.then(|| Self::learn(rows, fails, depth))?.map(|ways| (ways, error, without))
+        is_one.then(|| Self::learn(rows, fails, depth))?.map(|rule| (rule, error, without))
     }
 }
 
@@ -217,17 +217,17 @@ mod tests {
     #[test]
     fn one_or_two_numbers_are_found_and_noise_has_no_rule() {
         let (one, fails) = rows(|row, _| row[1] <= 4.0);
-        let (ways, error, without) = Ways::best(&one, &fails).unwrap();
-        let [(1, bound, true)] = ways.0[..] else { panic!("{ways:?}") };
+        let (rule, error, without) = Rule::best(&one, &fails).unwrap();
+        let [(1, bound, true)] = rule.0[..] else { panic!("{rule:?}") };
         assert!((bound - 4.0).abs() < 0.2 && error < 0.05 && without > 0.3, "{bound} {error}");
         let (two, fails) = rows(|row, _| row[0] > 5.0 && row[2] <= 6.0);
-        let (mut ways, error, _) = Ways::best(&two, &fails).unwrap();
-        ways.0.sort_by_key(|(feature, ..)| *feature);
-        let [(0, a, false), (2, b, true)] = ways.0[..] else { panic!("{ways:?}") };
-        assert!((a - 5.0).abs() < 0.3 && (b - 6.0).abs() < 0.3 && error < 0.07, "{ways:?} {error}");
+        let (mut rule, error, _) = Rule::best(&two, &fails).unwrap();
+        rule.0.sort_by_key(|(feature, ..)| *feature);
+        let [(0, a, false), (2, b, true)] = rule.0[..] else { panic!("{rule:?}") };
+        assert!((a - 5.0).abs() < 0.3 && (b - 6.0).abs() < 0.3 && error < 0.07, "{rule:?} {error}");
         let (noise, fails) = rows(|_, stream| stream.random());
-        assert_eq!(Ways::best(&noise, &fails), None);
+        assert_eq!(Rule::best(&noise, &fails), None);
         let (all, fails) = rows(|_, _| true);
-        assert_eq!(Ways::best(&all, &fails), None, "all fail: nothing to tell apart");
+        assert_eq!(Rule::best(&all, &fails), None, "all fail: nothing to tell apart");
     }
 }

@@ -40,7 +40,7 @@ pub struct BudgetedSimulation<'a> {
     stopped: bool,
     /// Called with the number of ticks used since the last episode began.
     progress: &'a (dyn Fn(u64) + Sync),
-    heard: u64,
+    reported_ticks: u64,
     /// Ticks after every decision; only shares record them.
     clock: Option<Vec<u64>>,
     /// The decisions of a share that ended an episode, by their places in its clock.
@@ -90,7 +90,7 @@ impl<'a> BudgetedSimulation<'a> {
             stop,
             stopped: false,
             progress: &|_| {},
-            heard: 0,
+            reported_ticks: 0,
             clock: None,
             ends: Vec::new(),
         }
@@ -166,7 +166,7 @@ impl<'a> BudgetedSimulation<'a> {
         };
         for (share, clock) in shares.into_iter().zip(&clocks) {
             self.used += share.used;
-            self.heard += share.heard;
+            self.reported_ticks += share.reported_ticks;
             self.episodes += share.episodes;
             self.left_out += share.left_out;
             self.starts.extend(share.starts);
@@ -212,8 +212,8 @@ impl Simulation for BudgetedSimulation<'_> {
     }
 
     fn place(&mut self, draw: Draw) {
-        (self.progress)(self.used - self.heard);
-        self.heard = self.used;
+        (self.progress)(self.used - self.reported_ticks);
+        self.reported_ticks = self.used;
         self.stopped |= (self.stop)();
         let start = draw.number;
         let ready = self.ready.as_ref().filter(|(number, _)| *number == start).and_then(|(_, ready)| ready.snapshot());

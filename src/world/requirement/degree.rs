@@ -16,7 +16,7 @@ pub struct Degree {
     pub sample: u32,
     /// The comparison that decides, by its place among those of the requirement; `None` if a constant or an empty bound does.
     pub part: Option<u16>,
-    /// Whether something that stands before an `implies` of the requirement held in a sample; true of a requirement without one.
+    /// Whether an antecedent of an `implies` of the requirement held in a sample; true of a requirement without one.
     pub applies: bool,
 }
 

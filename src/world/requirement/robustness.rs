@@ -57,7 +57,7 @@ impl Trace {
         Degree { applies: degree.is_violated() || self.applies(dt), ..degree }
     }
 
-    /// Whether something that stands before an `implies` held in a sample.
+    /// Whether an antecedent of an `implies` held in a sample.
     fn applies(&mut self, dt: f64) -> bool {
         let conditions = std::mem::take(&mut self.conditions);
         let holds = |condition: &Temporal| {

@@ -11,7 +11,7 @@ use learn::ActorCritic;
 use results::failure::Failure;
 use results::jobs::Repeatable;
 use results::parallel;
-use results::report::{Encounter, Encounters, Met, WalkedBy};
+use results::report::{Encounter, Encounters, RerunOutcome, WalkedBy};
 use world::cause::{Incident, unseeing};
 use world::env::{Criterion, Outcome, Scenario, Trace};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
@@ -45,7 +45,7 @@ impl MetAgain {
 
     /// A failure that was not met again, since what is met had failed as a program over and over.
     pub(super) fn not_run(failure: &Failure, walked_by: &[WalkedBy]) -> Self {
-        let left_out = |by: &WalkedBy| (*by, encounter(failure, None, Met::error(), None));
+        let left_out = |by: &WalkedBy| (*by, encounter(failure, None, RerunOutcome::error(), None));
         Self { encounters: walked_by.iter().map(left_out).collect(), ..Self::default() }
     }
 }
@@ -55,7 +55,7 @@ type Played = (Outcome, Trace);
 /// An episode of the new driver.
 struct Meeting {
     played: Played,
-    /// See [`Met::is_missed`]. Of another simulator it is not known.
+    /// See [`RerunOutcome::is_missed`]. Of another simulator it is not known.
     is_missed: bool,
 }
 
@@ -123,14 +123,14 @@ impl Source {
     }
 }
 
-fn end(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> Met {
-    Met::new(&Judged::by(Criterion::Collision, outcome, &trace.main_pair(scenario)))
+fn end(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> RerunOutcome {
+    RerunOutcome::new(&Judged::by(Criterion::Collision, outcome, &trace.main_pair(scenario)))
 }
 
 /// What repeats an episode that is a fault, and did not happen in another simulator.
 fn incident(
     scenario: &Arc<Scenario>,
-    met: Met,
+    met: RerunOutcome,
     commands: Vec<WalkCommand>,
     (seed, start): (Seed, u64),
 ) -> Option<Incident> {
@@ -146,7 +146,7 @@ fn met_again(
     ends: [(WalkedBy, Option<Meeting>); 2],
     start: (Seed, u64),
 ) -> MetAgain {
-    let stored = Met::stored(failure);
+    let stored = RerunOutcome::stored(failure);
     let old = before.as_ref().map(|(outcome, trace)| (outcome.start, end(scenario, outcome, trace)));
     let is_other_now =
         old.is_some_and(|(_, old)| (old.fault, old.is_collision()) != (stored.fault, stored.is_collision()));
@@ -160,7 +160,7 @@ fn met_again(
             continue;
         }
         let after = end(scenario, &outcome, &trace);
-        let after = Met { is_missed: is_missed || after.is_missed, ..after };
+        let after = RerunOutcome { is_missed: is_missed || after.is_missed, ..after };
         let incident = incident(with_new, after, recorded_commands(&trace), start);
         met.encounters.push((walked_by, encounter(failure, old.map(|(_, old)| old), after, incident)));
     }
@@ -168,8 +168,8 @@ fn met_again(
 }
 
 /// A failure, met again. `before` is how it ended for the old driver now; `None` if that was not run.
-fn encounter(failure: &Failure, before: Option<Met>, after: Met, incident: Option<Incident>) -> Encounter {
-    let before = Some(before.unwrap_or_else(|| Met::stored(failure)));
+fn encounter(failure: &Failure, before: Option<RerunOutcome>, after: RerunOutcome, incident: Option<Incident>) -> Encounter {
+    let before = Some(before.unwrap_or_else(|| RerunOutcome::stored(failure)));
     Encounter { name: failure.name(), start: failure.start, crossing: 0, before, after, incident }
 }
 
@@ -185,7 +185,7 @@ pub(super) fn cross(
 ) -> Encounters {
     let count = starts.min(rayon::current_num_threads() as u32);
     let parts: Vec<u32> = (0..count).collect();
-    let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, Met, Vec<WalkCommand>)> {
+    let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, RerunOutcome, Vec<WalkCommand>)> {
         // Products of starts and parts may exceed 32 bits.
         let edge = |part: u32| (u64::from(part) * u64::from(starts) / u64::from(count)) as u32;
         let note = &mut |outcome: &Outcome, trace: &Trace| {
@@ -193,13 +193,13 @@ pub(super) fn cross(
             (outcome.start, met, if met.fault { recorded_commands(trace) } else { Vec::new() })
         };
         let ends = evaluate_crossings(goals, scenario, edge(part)..edge(part + 1), seed, note, &mut || played());
-        ends.into_iter().map(|end| end.unwrap_or((0, Met::error(), Vec::new()))).collect()
+        ends.into_iter().map(|end| end.unwrap_or((0, RerunOutcome::error(), Vec::new()))).collect()
     };
-    let all = |scenario: &Arc<Scenario>| -> Vec<(u64, Met, Vec<WalkCommand>)> {
+    let all = |scenario: &Arc<Scenario>| -> Vec<(u64, RerunOutcome, Vec<WalkCommand>)> {
         parallel::map(&parts, |part| of_part(scenario, *part)).concat()
     };
     let old = before.map(all);
-    let encounter = |(place, (hash, met, commands)): (usize, (u64, Met, Vec<WalkCommand>))| {
+    let encounter = |(place, (hash, met, commands)): (usize, (u64, RerunOutcome, Vec<WalkCommand>))| {
         let before = old.as_ref().map(|old| &old[place]);
         // An error has no start.
         let is_same = before.is_none_or(|(other, before, _)| *other == hash || before.error || met.error);

@@ -35,7 +35,7 @@ impl Failures {
 
     /// Adds the failures that searches found.
     pub fn add_searches(&mut self, searches: &[SearchResult]) {
-        searches.iter().flat_map(SearchResult::finds).for_each(|find| self.insert(Failure::from(&find)));
+        searches.iter().flat_map(SearchResult::failures).for_each(|find| self.insert(Failure::from(&find)));
     }
 
     /// Adds the violations of a run or of a part of it that count.

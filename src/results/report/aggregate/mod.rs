@@ -9,7 +9,7 @@ mod failures;
 mod drivers;
 mod results;
 mod requirements;
-mod gathered;
+mod aggregates;
 mod search_figures;
 mod searches;
 mod search_cells;
@@ -21,7 +21,7 @@ mod ticks;
 pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use failures::Failures;
-pub use gathered::{Gathered, gather};
+pub use aggregates::{Aggregates, aggregate_episodes};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, passed_share, protocol_table, score};
 pub use published::{PublishedComparison, beside};
 pub use requirements::{

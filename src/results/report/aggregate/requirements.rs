@@ -18,7 +18,7 @@ pub const VIOLATED: Column<bool> = Column::new("violated", "", "whether the epis
 pub const APPLIES: Column<bool> = Column::new(
     "applies",
     "",
-    "whether what stands before an `implies` of the requirement held in a sample; where it never did, the episode says nothing about the requirement",
+    "whether the antecedent of an `implies` of the requirement held in a sample; where it never did, the episode says nothing about the requirement",
 );
 pub const ROBUSTNESS: Column<f64> = Column::new(
     "robustness",
@@ -145,7 +145,7 @@ pub struct CellRequirement {
     /// Why its violations have no verdict; `None` if they have.
     pub no_verdict: Option<NoVerdict>,
     /// Whether its episodes are the cases of a test: its rates have no interval.
-    pub is_of_cases: bool,
+    pub is_fixed_cases: bool,
     pub runs: Vec<Violations>,
 }
 
@@ -181,7 +181,7 @@ impl CellRequirement {
         let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.applied);
         let by_run: Vec<f64> = self.runs.iter().filter(|run| run.applied > 0).map(of_run).collect();
         let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(by_run.len() as f64);
-        let interval = (!self.is_of_cases).then(|| wilson(of_runs(part), of_runs(whole)));
+        let interval = (!self.is_fixed_cases).then(|| wilson(of_runs(part), of_runs(whole)));
         Rate::of_runs(by_run).within(interval, Method::Wilson)
     }
 }
@@ -192,7 +192,7 @@ pub fn add_run(
     key: &CellKey,
     requirements: &[NamedRequirement],
     counts: &[Violations],
-    is_of_cases: bool,
+    is_fixed_cases: bool,
 ) {
     for (named, count) in requirements.iter().zip(counts) {
         // The runs of a cell follow each other, and so do its requirements.
@@ -203,7 +203,7 @@ pub fn add_run(
                 key: key.clone(),
                 name: named.name.to_string(),
                 no_verdict: NoVerdict::of(&named.requirement),
-                is_of_cases,
+                is_fixed_cases,
                 runs: vec![*count],
             }),
         }

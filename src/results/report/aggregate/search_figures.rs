@@ -68,13 +68,13 @@ impl Figures {
         let spent = &result.spent;
         let failures = &spent.failures;
         let is_judged = result.is_judged();
-        let faults = || result.finds().filter(|find| find.is(Blame::Fault)).map(|find| find.failure);
+        let faults = || result.failures().filter(|find| find.is(Blame::Fault)).map(|find| find.failure);
         let starts =
             |of: &mut dyn Iterator<Item = &Failure>| of.map(|failure| failure.start).collect::<BTreeSet<_>>().len();
         let fault_starts = starts(&mut faults());
         let searched = spent.starts.count();
         let fault_start_rate = (searched > 0).then(|| fault_starts as f64 / searched as f64);
-        let injury: f64 = result.finds().filter_map(|find| Some(find.verdict()?.avoidable_injury())).sum();
+        let injury: f64 = result.failures().filter_map(|find| Some(find.verdict()?.avoidable_injury())).sum();
         let evaluated: Vec<&Judged> = result.evaluated.iter().filter(|each| each.outcome.counts()).collect();
         let evaluated_faults = evaluated.iter().filter(|each| each.is(result.criterion(), Blame::Fault)).count();
         Self {
@@ -83,7 +83,7 @@ impl Figures {
             starts: searched,
             first: failures.first().map(|failure| failure.ticks),
             first_simulations: failures.first().map(|failure| failure.simulations),
-            preventable: result.finds().filter(|find| find.is(Blame::Preventable)).count(),
+            preventable: result.failures().filter(|find| find.is(Blame::Preventable)).count(),
             fault: faults().count(),
             is_judged,
             fault_starts,

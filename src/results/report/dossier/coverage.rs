@@ -87,7 +87,7 @@ fn environment(named: &NamedTown, found: &Findings<'_>) -> Vec<Value> {
     let [episodes, _, faults] = sums(found.cells.iter().filter(|cell| cell.key.town == *name));
     let there = found.finished.all::<SearchResult>().iter().filter(|search| search.key.town == *name);
     let (searched, found_there) = there.fold((0, 0), |(episodes, faults), search| {
-        let finds = search.finds().filter(|find| find.is(Blame::Fault));
+        let finds = search.failures().filter(|find| find.is(Blame::Fault));
         (episodes + search.spent.episodes, faults + finds.count() as u64)
     });
     vec![
@@ -144,7 +144,7 @@ fn pedestrians(found: &Findings<'_>) -> Vec<Vec<Value>> {
     let falsifiers: BTreeSet<&str> = searches.iter().map(|search| search.key.falsifier.as_str()).collect();
     for name in falsifiers {
         let own = || searches.iter().filter(|search| search.key.falsifier == name);
-        let finds = || own().flat_map(SearchResult::finds);
+        let finds = || own().flat_map(SearchResult::failures);
         rows.push(vec![
             format!("search: {name}").into(),
             Value::Count(own().map(|search| search.spent.episodes).sum()),

@@ -153,7 +153,7 @@ const MODELS: [[&str; 3]; 8] = [
 /// The models that the campaign used, and their sources.
 pub fn models(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
     let is_used = |[what, ..]: &&[&str; 3]| match *what {
-        "natural pedestrian" => !shown.is_empty() || found.cells.iter().any(|cell| !cell.is_of_cases()),
+        "natural pedestrian" => !shown.is_empty() || found.cells.iter().any(|cell| !cell.is_fixed_cases()),
         "traffic lights" => found.campaign.towns.iter().any(|named| !named.town.traffic_lights.is_empty()),
         _ => true,
     };

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::evaluated_run::EvaluatedRun;
-use super::place::{Measured, Place};
+use super::common_starts::{MetricByRun, CommonStarts};
 use super::{Learning, reference_rates};
 use crate::record::{CellKey, ColumnReference};
 use crate::tables::Metric;
@@ -34,7 +34,7 @@ pub struct CellEvidence {
 
 impl CellEvidence {
     /// Gathers a cell of a place; its metrics are [measured](Self::measure) one by one.
-    pub(super) fn new(place: &Place, cell: usize) -> Self {
+    pub(super) fn new(place: &CommonStarts, cell: usize) -> Self {
         let runs = place.runs(cell);
         // Its runs share their starts, so a start counts once.
         let size = runs.len() as f64;
@@ -57,7 +57,7 @@ impl CellEvidence {
     }
 
     /// Adds a figure of this cell of a place.
-    pub(super) fn measure(&mut self, place: &Place, measured: &Measured, cell: usize) {
+    pub(super) fn measure(&mut self, place: &CommonStarts, measured: &MetricByRun, cell: usize) {
         let metric = measured.metric;
         let runs = &measured.runs[place.cells[cell].clone()];
         let by_run: Vec<f64> = runs.iter().flatten().map(|(value, _)| *value).collect();

@@ -1,4 +1,4 @@
-use super::place::{Measured, Place};
+use super::common_starts::{MetricByRun, CommonStarts};
 use crate::record::CellKey;
 use crate::tables::Metric;
 use base::choice;
@@ -77,7 +77,7 @@ impl Comparison {
 /// The pairs that are compared. Against one driver: every trained pedestrian with every untrained one that has the same reward, and with the
 /// same pedestrian trained for an earlier reward. Of drivers: each with each earlier one, met by the same pedestrian; one that is not
 /// trained is compared for its first reward only, since it is the same for all.
-pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
+pub fn pairs(place: &CommonStarts) -> Vec<(usize, usize)> {
     let keys = || (0..place.cells.len()).map(|cell| (cell, &place.runs(cell)[0].key));
     let mut pairs = Vec::new();
     for (first, a) in keys().filter(|(_, key)| key.is_trained()) {
@@ -101,7 +101,7 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
 }
 
 /// Compares two cells of a place; `None` if one of them has no value.
-pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize)) -> Option<Comparison> {
+pub fn compare(place: &CommonStarts, measured: &MetricByRun, (first, second): (usize, usize)) -> Option<Comparison> {
     let figure = measured.metric;
     let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);
     let drivers = ours.key.policy != theirs.key.policy;

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use super::CellEvidence;
-use super::place::{Measured, Place};
+use super::common_starts::{MetricByRun, CommonStarts};
 use crate::record::CellKey;
 use base::choice;
 use base::statistics::{Sample, holm, normal_below, normal_quantile};
@@ -65,7 +65,7 @@ choice! {
 
 impl Learning {
     /// Measures the rewards of the trainings of a cell; `None` for an untrained pedestrian, and for a cell without a value.
-    pub(super) fn new(place: &Place, measured: &Measured, cell: usize) -> Option<Self> {
+    pub(super) fn new(place: &CommonStarts, measured: &MetricByRun, cell: usize) -> Option<Self> {
         let key = &place.runs(cell)[0].key;
         if !key.is_trained() {
             return None;

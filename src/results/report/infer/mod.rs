@@ -4,11 +4,11 @@
 //! `evaluate` block. All controllers and all driving policies of a place have the same starts.
 
 mod evaluated_run;
-mod place;
+mod common_starts;
 mod cell;
 mod comparison;
 mod learning;
-mod gather;
+mod evidence_builder;
 mod tables;
 mod pair;
 #[cfg(test)]
@@ -17,7 +17,7 @@ mod tests;
 pub use cell::CellEvidence;
 pub use comparison::{Comparison, Test};
 pub use evaluated_run::{EvaluatedRun, MAX_KEPT};
-pub use gather::{Evidence, Gathering};
+pub use evidence_builder::{Evidence, EvidenceBuilder};
 pub use learning::{BeatsUntrained, Doubt, Learning, Reason, Untrained, doubts};
 pub use pair::compare_pair;
 pub use tables::{BEATS_UNTRAINED, ComparedRow, IMPACT_SPEED_P90, comparison_table, reference_rates};

@@ -1,6 +1,6 @@
 use super::comparison::{Comparison, compare};
 use super::evaluated_run::EvaluatedRun;
-use super::place::Place;
+use super::common_starts::CommonStarts;
 use crate::tables::Metric;
 
 /// Compares the runs of one cell on two sides, such as two reports: second less first. Runs of a number belong together, and their episodes
@@ -9,7 +9,7 @@ pub fn compare_pair([mut first, mut second]: [Vec<EvaluatedRun>; 2], metrics: &[
     // Cells of a place differ in their keys, so the driver's name tells the sides apart.
     first.iter_mut().for_each(|run| run.key.policy = "first".into());
     second.iter_mut().for_each(|run| run.key.policy = "second".into());
-    let place = Place::new([first, second].concat());
+    let place = CommonStarts::new([first, second].concat());
     if place.cells.len() < 2 {
         return Vec::new();
     }

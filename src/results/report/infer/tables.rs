@@ -125,7 +125,7 @@ pub fn comparison_table() -> Table<'static, ComparedRow> {
     .column(OTHER_DRIVER.of(|row: &ComparedRow| row.second.policy.clone()))
     .column(OTHER_REWARD.of(|row: &ComparedRow| row.second.reward.clone()))
     .column(FIGURE.of(|row: &ComparedRow| row.figure))
-    .count("paired_episodes", "episodes of the shortest of these runs; missing of searches", |row| row.episodes)
+    .count("paired_episodes", "episodes of the shortest of these runs; null for searches", |row| row.episodes)
     .column(DIFFERENCE.of(|row: &ComparedRow| row.difference))
     .columns(DIFFERENCE_INTERVAL.of(|row: &ComparedRow| row.interval))
     .column(

@@ -43,10 +43,10 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
 }
 
 fn gather(runs: Vec<DataFrame>) -> Evidence {
-    gathered(Gathering::default(), &runs)
+    gathered(EvidenceBuilder::default(), &runs)
 }
 
-fn gathered(mut gathering: Gathering, runs: &[DataFrame]) -> Evidence {
+fn gathered(mut gathering: EvidenceBuilder, runs: &[DataFrame]) -> Evidence {
     for run in runs {
         gathering.add(&RunKey::read(run, 0).unwrap(), run).unwrap();
     }
@@ -221,7 +221,7 @@ fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
         (0..size).map(|k| if (k / turn).is_multiple_of(2) || k % 60 == 7 { 'x' } else { '.' }).collect()
     };
     let runs = || vec![run("trained", "r1", 0, "a", &word(2, 6000)), run("trained", "r1", 1, "a", &word(3, 4800))];
-    let some = |kept: usize| gathered(Gathering::keeping(kept), &runs()).cells.remove(0);
+    let some = |kept: usize| gathered(EvidenceBuilder::keeping(kept), &runs()).cells.remove(0);
     let (whole, part) = (some(6000), some(600));
     assert_eq!((whole.episodes, whole.collisions), (part.episodes, part.collisions));
     let of_those_kept = runs().iter().map(|run| run.head(Some(600))).collect();

@@ -88,7 +88,7 @@ pub enum Judged {
     MissingEverywhere(String),
     /// No episode or start of the row was evaluated, so nothing is known there, and the gate fails.
     NothingEvaluated,
-    /// The driver left the road in this share of the episodes, at least half of them. That nothing failed there is not a merit of it, and the gate fails.
+    /// The driver left the road in this share of the episodes, at least half of them. No failures is then meaningless, and the gate fails.
     OffRoad(f64),
     /// The condition is false, but a single failure in this number of episodes would have made it true. That is worth a warning.
     Thin(u64),

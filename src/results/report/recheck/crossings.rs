@@ -135,17 +135,17 @@ impl StartFaults {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::Met;
+    use crate::report::RerunOutcome;
 
     /// A start for each word; each letter is a crossing: `n`ew, `f`ixed, `s`ame, `e`rror, or none.
     fn crossed(starts: &[&str]) -> CrossedStarts {
-        let met = |fault: bool| Met { impact_speed: fault.then_some(10.0), fault, ..Met::default() };
+        let met = |fault: bool| RerunOutcome { impact_speed: fault.then_some(10.0), fault, ..RerunOutcome::default() };
         let encounter = |start: usize, crossing: usize, letter: char| Encounter {
             name: String::new(),
             start: start as u64,
             crossing: crossing as u64,
             before: Some(met(matches!(letter, 'f' | 's'))),
-            after: if letter == 'e' { Met::error() } else { met(matches!(letter, 'n' | 's')) },
+            after: if letter == 'e' { RerunOutcome::error() } else { met(matches!(letter, 'n' | 's')) },
             incident: None,
         };
         let of = |(start, word): (usize, &&str)| -> Vec<Encounter> {

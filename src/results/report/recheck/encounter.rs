@@ -6,7 +6,7 @@ use world::judge::{Blame, Judged, severe_injury_risk};
 
 /// How an encounter ended for one driver.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Met {
+pub struct RerunOutcome {
     /// Speed of the car at the collision (m/s); `None` without one.
     pub impact_speed: Option<f64>,
     /// Whether the touch counts against the driver.
@@ -31,14 +31,14 @@ pub struct Encounter {
     /// The number of the crossing on the fixed list; 0 for a failure of a report.
     pub crossing: u64,
     /// How it ended for the old driver; `None` if that cannot be run any more.
-    pub before: Option<Met>,
+    pub before: Option<RerunOutcome>,
     /// How it ended for the new driver.
-    pub after: Met,
+    pub after: RerunOutcome,
     /// What repeats it with the new driver, if that has a fault in this simulator.
     pub incident: Option<Incident>,
 }
 
-impl Met {
+impl RerunOutcome {
     /// The end of an episode.
     pub fn new(judged: &Judged) -> Self {
         let outcome = &judged.outcome;
@@ -96,7 +96,7 @@ impl Encounter {
     /// Its ends for both drivers; `None` if the old driver cannot be run, or neither has a collision.
     pub fn change(&self, place: String) -> Option<FailureChange> {
         let name = self.own_name();
-        let end = |met: Met| SideEnd { name: name.clone(), collision: met.collision(), is_missed: met.is_missed };
+        let end = |met: RerunOutcome| SideEnd { name: name.clone(), collision: met.collision(), is_missed: met.is_missed };
         let sides = [self.before?, self.after].map(end);
         sides.iter().any(|side| side.collision.is_some()).then_some(FailureChange { place, sides })
     }
@@ -142,12 +142,12 @@ impl Encounters {
     }
 
     /// The ends for both drivers; empty if the old driver was not run.
-    pub fn ends(&self) -> impl Iterator<Item = (Met, Met)> {
+    pub fn ends(&self) -> impl Iterator<Item = (RerunOutcome, RerunOutcome)> {
         self.valid().filter_map(|encounter| Some((encounter.before?, encounter.after)))
     }
 
     /// The number of encounters whose ends are so; `None` if the old driver was not run.
-    pub fn count(&self, is: impl Fn(&Met, &Met) -> bool) -> Option<u64> {
+    pub fn count(&self, is: impl Fn(&RerunOutcome, &RerunOutcome) -> bool) -> Option<u64> {
         self.has_before().then(|| self.ends().filter(|(before, after)| is(before, after)).count() as u64)
     }
 }
@@ -163,10 +163,10 @@ mod tests {
         let hit = Ending::Touch { pedestrian: 0, front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
         for ending in [hit, Ending::Timeout] {
             let mut judged = row(0, ending).judged;
-            let met = Met::new(&judged);
+            let met = RerunOutcome::new(&judged);
             assert_eq!((met.is_collision(), met.is_missed), (judged.outcome.is_collision(), false));
             judged.outcome.left_out = Some(LeftOut::OffRoad);
-            let met = Met::new(&judged);
+            let met = RerunOutcome::new(&judged);
             assert_eq!((met.is_collision(), met.fault, met.error, met.is_missed), (false, false, false, true));
         }
     }

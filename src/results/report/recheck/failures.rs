@@ -1,4 +1,4 @@
-use super::{Encounters, Met};
+use super::{Encounters, RerunOutcome};
 use crate::failure::FoundBy;
 use crate::record::in_world;
 use crate::report::FailureChange;
@@ -43,7 +43,7 @@ impl RecheckedFailures {
     /// The share of the old driver's faults that are faults of the new driver, and its interval (95 %); of the other encounters if `was_fault` is false.
     /// Those that were not met are left out. `None` without any.
     pub fn fault_share(&self, was_fault: bool) -> Option<(f64, (f64, f64))> {
-        let is_met = |before: &Met, after: &Met| before.fault == was_fault && !after.is_missed;
+        let is_met = |before: &RerunOutcome, after: &RerunOutcome| before.fault == was_fault && !after.is_missed;
         let all = self.encounters.count(is_met).filter(|all| *all > 0)?;
         let faults = self.encounters.count(|before, after| before.fault == was_fault && after.fault)?;
         Some((faults as f64 / all as f64, clopper_pearson(faults, all, 0.05)))

@@ -10,7 +10,7 @@ mod note;
 mod table;
 
 pub use crossings::{CrossedStarts, StartFaults};
-pub use encounter::{Encounter, Encounters, Met};
+pub use encounter::{Encounter, Encounters, RerunOutcome};
 pub use failures::{RecheckedFailures, WalkedBy};
 pub use note::RecheckNote;
 pub use table::{NOT_MET, crossed_table, is_better, is_gone, is_not_met, rechecked_table};

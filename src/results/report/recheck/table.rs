@@ -1,4 +1,4 @@
-use super::{CrossedStarts, Met, RecheckedFailures, StartFaults};
+use super::{CrossedStarts, RerunOutcome, RecheckedFailures, StartFaults};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::record::{Column, Role, Table};
 
@@ -10,17 +10,17 @@ fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::E
 pub const NOT_MET: &str = "not_met";
 
 /// Whether a collision is none any more for a driver that reacts.
-pub fn is_gone(before: &Met, after: &Met) -> bool {
+pub fn is_gone(before: &RerunOutcome, after: &RerunOutcome) -> bool {
     before.is_collision() && !after.is_collision() && !after.is_missed
 }
 
 /// Whether a collision is none any more, and would be none if the driver saw nobody.
-pub fn is_not_met(before: &Met, after: &Met) -> bool {
+pub fn is_not_met(before: &RerunOutcome, after: &RerunOutcome) -> bool {
     before.is_collision() && after.is_missed
 }
 
 /// Whether a collision is still one, and counts less against the new driver.
-pub fn is_better(before: &Met, after: &Met) -> bool {
+pub fn is_better(before: &RerunOutcome, after: &RerunOutcome) -> bool {
     before.is_worse_than(after) && !after.is_worse_than(before)
 }
 
@@ -32,7 +32,7 @@ const HIGH: &str = "upper end";
 pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
     type Row = RecheckedFailures;
     let injuries = |name, doc| Column::<f64>::new(name, "", doc);
-    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.encounters.count(is);
+    let is = |is: fn(&RerunOutcome, &RerunOutcome) -> bool| move |row: &Row| row.encounters.count(is);
     let share = |name, doc, role| Column::<f64>::new(name, "", doc).with_role(role);
     let of_share =
         |was_fault, part: fn((f64, (f64, f64))) -> f64| move |row: &Row| row.fault_share(was_fault).map(part);
@@ -120,7 +120,7 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
 pub fn crossed_table() -> Table<'static, CrossedStarts> {
     type Row = CrossedStarts;
     let number = Column::<f64>::new;
-    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.encounters.count(is);
+    let is = |is: fn(&RerunOutcome, &RerunOutcome) -> bool| move |row: &Row| row.encounters.count(is);
     let starts = |is: fn(StartFaults) -> bool| move |row: &Row| row.count_starts(is);
     Table::new(
         "recheck_crossings",

@@ -115,7 +115,7 @@ pub enum OpenDriveProblem {
     /// A link names a junction by a number that a road has too, or a road by a number that a junction has too.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
     AmbiguousLink { element: &'static str, wanted: &'static str, found: &'static str, id: String },
-    #[error("`{element}` {id} is there twice; the first one counts")]
+    #[error("`{element}` {id} is duplicate; the first is used")]
     Duplicate { element: &'static str, id: String },
     #[error("{count} signals have the id `{id}`; each counts where it stands, and references take the last one")]
     RepeatedSignal { id: String, count: usize },

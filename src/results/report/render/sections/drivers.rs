@@ -35,7 +35,7 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
 /// no sample of episodes.
 pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     match result.cell.map(|cell| &cells[cell]) {
-        Some(cell) => cell.value(&AVOIDABLE_INJURY).filter(|_| !cell.is_of_cases()).map(|injury| injury * 1000.0),
+        Some(cell) => cell.value(&AVOIDABLE_INJURY).filter(|_| !cell.is_fixed_cases()).map(|injury| injury * 1000.0),
         None => result.searched.and_then(|found| found.injury_per_thousand),
     }
 }

@@ -53,19 +53,19 @@ pub fn worlds(found: &Findings<'_>) -> Option<Section> {
 /// The faults of all episodes of some cells. Those in a town share their starts.
 fn rate<'a>(cells: impl Iterator<Item = &'a Cell>) -> Value {
     let mut towns: BTreeMap<&str, (ClusteredCount, ClusteredCount, u32)> = BTreeMap::new();
-    let mut is_of_cases = false;
+    let mut is_fixed_cases = false;
     for cell in cells {
         let (faults, episodes, runs) = towns.entry(&cell.key.town).or_default();
         *faults += u64::from(cell.count(&FAULT_COLLISIONS)).into();
         *episodes += u64::from(cell.count(&EPISODES)).into();
         *runs += cell.runs();
-        is_of_cases |= cell.is_of_cases();
+        is_fixed_cases |= cell.is_fixed_cases();
     }
     let clustered = |of: fn(&(ClusteredCount, ClusteredCount, u32)) -> ClusteredCount| -> ClusteredCount {
         towns.values().map(|town| of(town).of_clusters(town.2.into())).sum()
     };
     let (faults, episodes) = (clustered(|town| town.0), clustered(|town| town.1));
     let share = faults.share_of(&episodes);
-    let estimate = Value::Estimate(share, (!is_of_cases && share.is_some()).then(|| wilson(faults, episodes)), 2);
+    let estimate = Value::Estimate(share, (!is_fixed_cases && share.is_some()).then(|| wilson(faults, episodes)), 2);
     Value::or_count(estimate, share, faults.count() as u32, episodes.count() as u32)
 }

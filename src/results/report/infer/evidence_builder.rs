@@ -2,7 +2,7 @@ use super::cell::CellEvidence;
 use super::comparison::{Comparison, adjust, compare, pairs};
 use super::evaluated_run::{EvaluatedRun, MAX_KEPT};
 use super::learning;
-use super::place::Place;
+use super::common_starts::CommonStarts;
 use crate::record::RunKey;
 use crate::tables::metrics::{Inference, inferred};
 use polars::prelude::{DataFrame, PolarsResult};
@@ -19,7 +19,7 @@ pub struct Evidence {
 /// Gathers the evidence from the episodes of a campaign, run by run in the plan's order. A run is one table or several that follow each
 /// other, for a pedestrian in one town against one policy.
 #[derive(Debug, Clone)]
-pub struct Gathering {
+pub struct EvidenceBuilder {
     kept: usize,
     /// The run of the last rows, of which more may follow.
     last: Option<(RunKey, EvaluatedRun)>,
@@ -27,14 +27,14 @@ pub struct Gathering {
     found: Evidence,
 }
 
-impl Default for Gathering {
+impl Default for EvidenceBuilder {
     /// Without any run.
     fn default() -> Self {
         Self::keeping(MAX_KEPT)
     }
 }
 
-impl Gathering {
+impl EvidenceBuilder {
     /// Starts with another number of episodes of a run that are kept one by one.
     pub(super) fn keeping(kept: usize) -> Self {
         Self { kept, last: None, here: Vec::new(), found: Evidence::default() }
@@ -77,7 +77,7 @@ impl Evidence {
         if runs.is_empty() {
             return;
         }
-        let place = Place::new(runs);
+        let place = CommonStarts::new(runs);
         let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
         let pairs = pairs(&place);
         let mut comparisons = Vec::new();

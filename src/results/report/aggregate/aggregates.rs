@@ -12,13 +12,13 @@ use crate::jobs::SearchResult;
 use crate::record::{self, CellKey, EPISODES, EpisodeTable};
 use crate::report::failure_table::{FAILURES, failure_table};
 use crate::report::repeats::{Repeats, start_bits};
-use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
+use crate::report::{Evidence, EvidenceBuilder, ReportFolder, Starts, Tally, WriteError};
 use crate::tables::{Cells, Runs};
 use compile::{ControllerKind, Evaluation, Planned};
 
 /// The results of one pass over all episodes: small tables, counts, and a bounded sample.
 #[derive(Debug, Clone, Default)]
-pub struct Gathered {
+pub struct Aggregates {
     pub cells: Cells,
     /// What differs from these in the reward of an untrained pedestrian alone.
     pub copies: Cells,
@@ -60,14 +60,14 @@ pub struct Gathered {
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
-pub fn gather(
+pub fn aggregate_episodes(
     folder: &ReportFolder,
     episodes: &Episodes<'_>,
     searches: &[SearchResult],
-) -> Result<Gathered, WriteError> {
+) -> Result<Aggregates, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
-    let mut gathered = Gathered { all_tried: true, ..Gathered::default() };
-    let (mut evidence, mut runs) = (Gathering::default(), Runs::default());
+    let mut gathered = Aggregates { all_tried: true, ..Aggregates::default() };
+    let (mut evidence, mut runs) = (EvidenceBuilder::default(), Runs::default());
     let mut walked: BTreeSet<(CellKey, u32)> = BTreeSet::new();
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     let none = record::episodes(&[]);
@@ -97,10 +97,10 @@ pub fn gather(
             }
         };
         let mut repeats = Repeats::of(parts()).map_err(failed)?;
-        let is_of_cases = protocol.is_some() || repeats.is_grid();
+        let is_fixed_cases = protocol.is_some() || repeats.is_grid();
         let mut tried = 0;
         let is_copy = !walked.insert(run.key.of_any_reward());
-        runs.begin(&run.key, is_of_cases, is_copy);
+        runs.begin(&run.key, is_fixed_cases, is_copy);
         for part in parts() {
             let mut part = part.map_err(failed)?;
             tried += part.height();
@@ -125,11 +125,11 @@ pub fn gather(
             if !is_copy {
                 failures.add(&failed_table.frame(&here))?;
             }
-            if is_of_cases {
+            if is_fixed_cases {
                 part = part.filter(&new.into_iter().collect()).map_err(failed)?;
             }
             let episodes = EpisodeTable::new(&part).map_err(failed)?;
-            if is_of_cases {
+            if is_fixed_cases {
                 let kept: BTreeSet<u32> = episodes.rows().map(|row| episodes.episode(row)).collect();
                 degrees.retain(|row| kept.contains(&row.episode));
             }
@@ -152,7 +152,7 @@ pub fn gather(
         }
         gathered.all_tried &= tried == evaluation.episodes as usize;
         if tried > 0 && !is_copy {
-            add_run(&mut gathered.requirements, &run.key.cell, named, &violations, is_of_cases);
+            add_run(&mut gathered.requirements, &run.key.cell, named, &violations, is_fixed_cases);
         }
         if tried > 0 && !is_copy {
             let tested = protocol.map(|protocol| (run.key.cell.clone(), protocol.cells()));
@@ -170,7 +170,7 @@ pub fn gather(
     }
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
-    let found: Vec<Failure> = searches.iter().flat_map(SearchResult::finds).map(|find| Failure::from(&find)).collect();
+    let found: Vec<Failure> = searches.iter().flat_map(SearchResult::failures).map(|find| Failure::from(&find)).collect();
     failures.add(&failed_table.frame(&found))?;
     failures.finish()?;
     if let Some(file) = requirements {
@@ -182,7 +182,7 @@ pub fn gather(
     Ok(gathered)
 }
 
-impl Gathered {
+impl Aggregates {
     /// Counts the rows of a table of episodes; returns whether the driver reached the end of any.
     fn count(&mut self, run: &Run<'_>, table: &EpisodeTable<'_>) -> bool {
         let Evaluation { town, policy, trained, .. } = run.evaluation;
