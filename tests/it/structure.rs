@@ -29,6 +29,10 @@ const IN_CIRCLES: usize = 224;
 const LONG_FUNCTIONS: usize = 51;
 const LONG: usize = 60;
 
+/// The files that name a metric, besides the one that declares them all, summed over the metrics. A section may be about one; what is shown, gated and
+/// compared of all is not told one by one.
+const METRICS_NAMED: usize = 86;
+
 /// The names on the way to a module or an item, the package first.
 type Path = Vec<String>;
 
@@ -267,4 +271,28 @@ fn few_functions_are_long() {
     }
     loud!("{} functions of more than {LONG} lines, at most {LONG_FUNCTIONS}", long.len());
     assert!(long.len() <= LONG_FUNCTIONS, "more than {LONG_FUNCTIONS} functions of more than {LONG} lines: {long:#?}");
+}
+
+#[test]
+fn a_metric_is_one_entry() {
+    let files = rust_files(&top().join("src"));
+    let (_, declared) = files.iter().find(|(path, _)| path.ends_with("results/tables/metrics.rs")).unwrap();
+    let names =
+        declared.split("pub const ").skip(1).filter_map(|rest| rest.split_once(": Metric ").map(|(name, _)| name));
+    let mut named: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for name in names {
+        let is_word = |text: &str| {
+            text.split(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '_')).any(|word| word == name)
+        };
+        let elsewhere = files.iter().filter(|(path, _)| {
+            let path = path.to_string_lossy();
+            path.contains("src/results") && !path.ends_with("tables/metrics.rs") && !path.contains("record/")
+        });
+        let of = elsewhere.filter(|(_, text)| is_word(&without_tests(text)));
+        named.insert(name, of.map(|(path, _)| path.to_string_lossy().into_owned()).collect());
+    }
+    let lone = named.values().filter(|files| files.is_empty()).count();
+    let sum: usize = named.values().map(Vec::len).sum();
+    println!("{} metrics, {lone} of them in one file; {sum} files name one besides", named.len());
+    assert!(named.len() > 30 && sum <= METRICS_NAMED, "{sum} of at most {METRICS_NAMED}: {named:#?}");
 }

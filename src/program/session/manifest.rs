@@ -7,7 +7,7 @@ use compile::{Campaign, Job, Training};
 use results::campaign::Finished;
 use results::jobs::{SearchResult, TrainingResult, pedestrian_files};
 use results::report::{
-    Call, FileRecord, Findings, Aggregates, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
+    Aggregates, Call, FileRecord, Findings, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
     TrainingRecord, WriteError, held_places,
 };
 use results::store::{CODE, vector_instructions};

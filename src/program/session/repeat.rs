@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::stored::Source;
 use super::{EpisodeName, Error};
 use compile::{Evaluation, Search};
-use results::jobs::{SearchFailure, Repeatable};
+use results::jobs::{Repeatable, SearchFailure};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
 use world::cause::{Cause, Incident, Questions, RunLimit, Shrunk, explain, shrink};

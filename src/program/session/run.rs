@@ -12,7 +12,9 @@ use base::seed::Seed;
 use compile::{Campaign, ExternalProgram};
 use results::campaign::{self, Finished, Task};
 use results::jobs::SearchResult;
-use results::report::{self, Episodes, Findings, Gate, Aggregates, Judged, Manifest, ReportFolder, Section, WriteError};
+use results::report::{
+    self, Aggregates, Episodes, Findings, Gate, Judged, Manifest, ReportFolder, Section, WriteError,
+};
 use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
 /// Which tasks are run.

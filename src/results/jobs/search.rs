@@ -199,7 +199,8 @@ impl Work for Search {
         });
         let repeated = |failure: &Failure| {
             // A failure is repeated outside of the budget.
-            let repeatable = Repeatable::SearchFailure { search: self, start: failure.start, commands: &failure.commands };
+            let repeatable =
+                Repeatable::SearchFailure { search: self, start: failure.start, commands: &failure.commands };
             let judged = repeatable.repeat(part.seed)?.judged;
             (judged.outcome.digest == failure.outcome.digest).then_some(judged)
         };

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::ops::Range;
 
 use polars::prelude::{Column as Values, DataFrame, NamedFrom, PlSmallStr, PolarsResult, Scalar, SchemaExtPl, Series};
-use polars_io::parquet::write::ParquetWriter;
+use polars_io::parquet::write::{ParquetCompression, ParquetWriter};
 
 use super::columns::{EPISODE, ERROR, FAULT, FRONT, OUTCOME};
 use super::degrees::{self, append};
@@ -13,6 +13,9 @@ use super::parquet_reader::read_parquet;
 use super::{DEGREES, EpisodeRow, RunKey, with_degrees};
 use crate::campaign::Task;
 use compile::CHUNK;
+
+/// Tables with fewer rows are not compressed.
+const FEW: usize = 100;
 
 /// Some episodes of a run.
 #[derive(Debug, Clone)]
@@ -81,8 +84,11 @@ pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u
         append(&mut all, table)?;
         table = all;
     }
+    // A decompressor for each page costs more than a few rows.
+    let compression =
+        if table.height() < FEW { ParquetCompression::Uncompressed } else { ParquetCompression::default() };
     let mut bytes = Vec::new();
-    ParquetWriter::new(&mut bytes).finish(&mut table)?;
+    ParquetWriter::new(&mut bytes).with_compression(compression).finish(&mut table)?;
     Ok((bytes, table.height() as u64))
 }
 

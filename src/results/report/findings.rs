@@ -4,7 +4,7 @@ use super::actors::{CastFailure, cast_failures};
 use super::caution::{Caution, cautions};
 use super::distinct::listed_findings;
 use super::{
-    CellEvidence, DistinctFailure, Doubt, DriverResult, Aggregates, ProtocolCell, PublishedComparison, SearchCell,
+    Aggregates, CellEvidence, DistinctFailure, Doubt, DriverResult, ProtocolCell, PublishedComparison, SearchCell,
     SearchComparison, beside, doubts, driver_results, layer_cells, search_cells, search_comparisons,
 };
 use crate::campaign::Finished;

@@ -40,7 +40,7 @@ pub use crate::tables::{Method, Rate};
 pub use actors::CastFailure;
 pub(crate) use aggregate::search_table;
 pub use aggregate::{
-    Colour, DriverResult, Episodes, Failures, Aggregates, Run, SearchCell, beside, driver_results, aggregate_episodes,
+    Aggregates, Colour, DriverResult, Episodes, Failures, Run, SearchCell, aggregate_episodes, beside, driver_results,
     search_cell_table, search_cells, searches, ticks, worst_failure,
 };
 pub use catalogue::catalogue;
@@ -59,8 +59,8 @@ pub use compare::{
 };
 pub use overview::{Found, Overview, Variant};
 pub use recheck::{
-    CrossedStarts, Encounter, Encounters, RerunOutcome, Recheck, RecheckNote, RecheckedFailures, WalkedBy, crossed_table,
-    rechecked_table,
+    CrossedStarts, Encounter, Encounters, Recheck, RecheckNote, RecheckedFailures, RerunOutcome, WalkedBy,
+    crossed_table, rechecked_table,
 };
 
 // Text and pictures.

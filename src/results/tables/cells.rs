@@ -13,7 +13,8 @@ use crate::record::{CellKey, Column, ColumnReference, Role, Table, cell_key};
 use base::statistics::{ClusteredCount, wilson};
 
 /// Whether the episodes of a run are the cases of a test, each once. They are no sample, and nothing has an interval.
-pub const IS_FIXED_CASES: Column<bool> = Column::new("is_fixed_cases", "", "whether the episodes are the cases of a test");
+pub const IS_FIXED_CASES: Column<bool> =
+    Column::new("is_fixed_cases", "", "whether the episodes are the cases of a test");
 /// Whether an untrained pedestrian walked the same for an earlier reward of the campaign.
 pub(super) const IS_COPY: Column<bool> =
     Column::new("is_copy", "", "whether only the reward differs from an earlier row");

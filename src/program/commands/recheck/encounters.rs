@@ -168,7 +168,12 @@ fn met_again(
 }
 
 /// A failure, met again. `before` is how it ended for the old driver now; `None` if that was not run.
-fn encounter(failure: &Failure, before: Option<RerunOutcome>, after: RerunOutcome, incident: Option<Incident>) -> Encounter {
+fn encounter(
+    failure: &Failure,
+    before: Option<RerunOutcome>,
+    after: RerunOutcome,
+    incident: Option<Incident>,
+) -> Encounter {
     let before = Some(before.unwrap_or_else(|| RerunOutcome::stored(failure)));
     Encounter { name: failure.name(), start: failure.start, crossing: 0, before, after, incident }
 }

@@ -170,7 +170,8 @@ pub fn aggregate_episodes(
     }
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
-    let found: Vec<Failure> = searches.iter().flat_map(SearchResult::failures).map(|find| Failure::from(&find)).collect();
+    let found: Vec<Failure> =
+        searches.iter().flat_map(SearchResult::failures).map(|find| Failure::from(&find)).collect();
     failures.add(&failed_table.frame(&found))?;
     failures.finish()?;
     if let Some(file) = requirements {

@@ -18,10 +18,10 @@ mod published;
 mod protocol;
 mod ticks;
 
+pub use aggregates::{Aggregates, aggregate_episodes};
 pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use failures::Failures;
-pub use aggregates::{Aggregates, aggregate_episodes};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, passed_share, protocol_table, score};
 pub use published::{PublishedComparison, beside};
 pub use requirements::{

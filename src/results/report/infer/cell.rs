@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
+use super::common_starts::{CommonStarts, MetricByRun};
 use super::evaluated_run::EvaluatedRun;
-use super::common_starts::{MetricByRun, CommonStarts};
 use super::{Learning, reference_rates};
 use crate::record::{CellKey, ColumnReference};
 use crate::tables::Metric;

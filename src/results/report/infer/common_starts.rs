@@ -43,8 +43,11 @@ impl CommonStarts {
             return None;
         }
         let members = [first.as_slice(), second.as_slice()].concat();
-        let (values, influences): (Vec<f64>, Vec<&Vec<f64>>) =
-            members.iter().filter_map(|run| measured.runs[*run].as_ref()).map(|(value, influences)| (*value, influences)).unzip();
+        let (values, influences): (Vec<f64>, Vec<&Vec<f64>>) = members
+            .iter()
+            .filter_map(|run| measured.runs[*run].as_ref())
+            .map(|(value, influences)| (*value, influences))
+            .unzip();
         let covariance = self.covariance(&influences, &members);
         let trained = |cell: usize| self.runs(cell)[0].key.is_trained();
         Some(Sample {

@@ -1,4 +1,4 @@
-use super::common_starts::{MetricByRun, CommonStarts};
+use super::common_starts::{CommonStarts, MetricByRun};
 use crate::record::CellKey;
 use crate::tables::Metric;
 use base::choice;

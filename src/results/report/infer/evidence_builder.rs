@@ -1,8 +1,8 @@
 use super::cell::CellEvidence;
+use super::common_starts::CommonStarts;
 use super::comparison::{Comparison, adjust, compare, pairs};
 use super::evaluated_run::{EvaluatedRun, MAX_KEPT};
 use super::learning;
-use super::common_starts::CommonStarts;
 use crate::record::RunKey;
 use crate::tables::metrics::{Inference, inferred};
 use polars::prelude::{DataFrame, PolarsResult};

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use super::CellEvidence;
-use super::common_starts::{MetricByRun, CommonStarts};
+use super::common_starts::{CommonStarts, MetricByRun};
 use crate::record::CellKey;
 use base::choice;
 use base::statistics::{Sample, holm, normal_below, normal_quantile};

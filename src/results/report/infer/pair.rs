@@ -1,6 +1,6 @@
+use super::common_starts::CommonStarts;
 use super::comparison::{Comparison, compare};
 use super::evaluated_run::EvaluatedRun;
-use super::common_starts::CommonStarts;
 use crate::tables::Metric;
 
 /// Compares the runs of one cell on two sides, such as two reports: second less first. Runs of a number belong together, and their episodes

@@ -96,7 +96,8 @@ impl Encounter {
     /// Its ends for both drivers; `None` if the old driver cannot be run, or neither has a collision.
     pub fn change(&self, place: String) -> Option<FailureChange> {
         let name = self.own_name();
-        let end = |met: RerunOutcome| SideEnd { name: name.clone(), collision: met.collision(), is_missed: met.is_missed };
+        let end =
+            |met: RerunOutcome| SideEnd { name: name.clone(), collision: met.collision(), is_missed: met.is_missed };
         let sides = [self.before?, self.after].map(end);
         sides.iter().any(|side| side.collision.is_some()).then_some(FailureChange { place, sides })
     }

@@ -1,4 +1,4 @@
-use super::{CrossedStarts, RerunOutcome, RecheckedFailures, StartFaults};
+use super::{CrossedStarts, RecheckedFailures, RerunOutcome, StartFaults};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::record::{Column, Role, Table};
 

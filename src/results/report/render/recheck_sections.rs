@@ -6,7 +6,9 @@ use super::table::{Column, Table, Value};
 use crate::record::in_world;
 use crate::report::compare::drivers;
 use crate::report::recheck::is_better;
-use crate::report::{CrossedStarts, RerunOutcome, Recheck, RecheckNote, RecheckedFailures, StartFaults, is_gone, is_not_met};
+use crate::report::{
+    CrossedStarts, Recheck, RecheckNote, RecheckedFailures, RerunOutcome, StartFaults, is_gone, is_not_met,
+};
 
 /// The result of a recheck.
 pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
@@ -47,7 +49,8 @@ fn failures(rows: &[RecheckedFailures]) -> Table {
     );
     head.extend(["gone", "not met", "errors", "avoidable injuries"].map(Column::number));
     let row = |row: &RecheckedFailures| {
-        let count = |is: fn(&RerunOutcome, &RerunOutcome) -> bool| Value::Count(row.encounters.count(is).unwrap_or_default());
+        let count =
+            |is: fn(&RerunOutcome, &RerunOutcome) -> bool| Value::Count(row.encounters.count(is).unwrap_or_default());
         let injuries = |of: fn((RerunOutcome, RerunOutcome)) -> RerunOutcome| -> f64 {
             row.encounters.ends().map(|ends| of(ends).avoidable_injury()).sum::<f64>() + 0.0
         };
