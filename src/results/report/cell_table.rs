@@ -145,9 +145,8 @@ fn interval<'a, R: 'a>(
     method: &str,
     ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 'a,
 ) -> [Entry<'a, R>; 2] {
-    let end =
-        |name: &str, role, value| number(format!("{figure}_{method}_{name}"), value).of_figure(figure.to_owned(), role);
-    let low: Box<dyn Fn(&R) -> Option<f64> + 'a> = Box::new(move |row| Some(ends(row)?.0));
-    let high: Box<dyn Fn(&R) -> Option<f64> + 'a> = Box::new(move |row| Some(ends(row)?.1));
-    [end("low", Role::LowerBound, low), end("high", Role::UpperBound, high)]
+    let name = |end: &str| format!("{figure}_{method}_{end}");
+    let low = number(name("low"), move |row| Some(ends(row)?.0)).of_figure(figure.to_owned(), Role::LowerBound);
+    let high = number(name("high"), move |row| Some(ends(row)?.1)).of_figure(figure.to_owned(), Role::UpperBound);
+    [low, high]
 }

@@ -9,7 +9,7 @@ use super::{DOSSIER, FIGURES, Findings, Manifest, ReportFolder, WriteError, infe
 use crate::jobs::KINDS;
 use base::seed::Seed;
 
-/// Fills a report's folder with all files of a campaign, except the table of episodes, which [`gather`](super::gather) has written.
+/// Fills a report's folder with all files of a campaign, except the table of episodes, which [`aggregate_episodes`](super::aggregate_episodes) has written.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.

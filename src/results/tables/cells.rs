@@ -279,7 +279,8 @@ impl Cell {
 impl Cell {
     /// A cell with these counts and these means, which is neither a test nor a copy.
     pub fn example(key: CellKey, counts: &[(&Metric, u32)], rates: &[(&Metric, Rate)]) -> Self {
-        let mut table = Table::<CellKey>::new("", "").columns(cell_key(|key: &CellKey| key)).frame(&[key.clone()]);
+        let mut table =
+            Table::<CellKey>::new("", "").columns(cell_key(|key: &CellKey| key)).frame(std::slice::from_ref(&key));
         let mut add = |column: Series| table.with_column(Values::from(column)).map(|_| ()).unwrap();
         for flag in [IS_FIXED_CASES.name, IS_COPY.name] {
             add(Series::new(flag.into(), [false]));
