@@ -174,3 +174,20 @@ fn what_does_not_depend_on_the_reward_is_counted_once() {
     let rewards = metrics.iter().filter(|line| line.contains(",episode_reward,")).count();
     assert_eq!((rewards, metrics.len()), (2, metrics_alone.len() + 1), "{metrics:?}");
 }
+
+/// A gate over evaluations says nothing of a campaign of searches alone, and judges the others.
+#[test]
+fn a_gate_meets_a_campaign_without_evaluations() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+        spawn near { bearing: -30 deg .. 30 deg  distance: 7 m .. 25 m }\nepisode e { ticks: 120  hold: 10 }\nmethod meet = intercept()\n\
+        campaign a { vehicle: model3 body: plausible spawn: near episode: e\n\
+        evaluate { towns: [harbour] drivers: [blind] pedestrians: [intercept] episodes: 10 } }\n\
+        campaign b { vehicle: model3 body: plausible spawn: near episode: e\n\
+        search { towns: [harbour] drivers: [blind] methods: [meet] budget: 5_000 runs: 1 } }\n";
+    fs::write(folder.path().join("s.scn"), text).unwrap();
+    for (gate, code) in [("collision_rate > 0.01", 7), ("fault_rate > 0.99", 0)] {
+        let run = falsify(&["run", "s.scn", "--fail-if", gate, "--junit", "out.xml"], folder.path());
+        assert_eq!(run.status.code(), Some(code), "{gate}: {run:?}");
+    }
+}

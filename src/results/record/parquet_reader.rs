@@ -26,12 +26,13 @@ pub fn read_parquet<R: MmapBytesReader>(
         let metadata = ParquetReader::new(&mut source).get_metadata()?.clone();
         let size = said_size(&metadata, &mut source).map_err(|error| damaged(&error))?;
         let size = size.ok_or_else(|| damaged(&"its parts say other sizes than its end"))?;
-        let memory = memory();
-        if metadata.num_rows as u64 > most || size > memory {
-            let count = metadata.num_rows;
-            let reason = format!(
-                "it has {count} rows in {size} bytes, more than the {most} rows and the {memory} bytes that it may have"
-            );
+        let (count, memory) = (metadata.num_rows as u64, memory());
+        let reason = match () {
+            () if count > most => format!("it has {count} rows, and {most} belong to it"),
+            () if size > memory => format!("it takes {size} bytes of memory, and {memory} are free"),
+            () => String::new(),
+        };
+        if !reason.is_empty() {
             return Err(PolarsError::ComputeError(reason.into()));
         }
         let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());

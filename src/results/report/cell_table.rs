@@ -10,7 +10,7 @@ use super::infer::{BEATS_UNTRAINED, CellEvidence, IMPACT_SPEED_P90, reference_ra
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key};
 use crate::tables::metrics::{IMPACT_SPEED, inferred};
-use crate::tables::{Cells, IS_FIXED_CASES, cell_columns, key_columns};
+use crate::tables::{IS_FIXED_CASES, cell_columns, key_columns};
 use base::statistics::wilson;
 use world::judge::Reference;
 
@@ -36,14 +36,14 @@ pub fn gate_columns(requirements: &[&str]) -> Vec<ColumnReference> {
     all
 }
 
-/// The table that gates judge: a row for each cell, all runs that differ in their number alone.
+/// The table that gates judge: a row for each cell, all runs that differ in their number alone. There is at least one cell.
 ///
 /// # Errors
 /// Those of polars; none.
 pub fn gate_table(found: &Findings<'_>, requirements: &[&str]) -> PolarsResult<DataFrame> {
     let gathered = &found.gathered;
     let evidence = evidence_table().frame(&gathered.evidence.cells);
-    let mut table = beside(cells_of(&found.cells), evidence)?;
+    let mut table = beside(found.cells.table().clone(), evidence)?;
     // The cases of a test are no sample.
     let ends = evidence_table().reference().columns.into_iter();
     let ends = ends.filter(|column| matches!(column.role, Role::LowerBound | Role::UpperBound));
@@ -60,11 +60,6 @@ pub fn gate_table(found: &Findings<'_>, requirements: &[&str]) -> PolarsResult<D
         table = beside(table, requirement_columns(name).frame(&own))?;
     }
     Ok(table)
-}
-
-/// The table of cells; without any, its columns.
-fn cells_of(cells: &Cells) -> DataFrame {
-    if cells.is_empty() { Cells::default().table().clone() } else { cells.table().clone() }
 }
 
 /// The columns of a table beside those of another one, by the key of the cell.

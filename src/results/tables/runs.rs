@@ -13,6 +13,7 @@ const ROWS: usize = 10_000;
 
 /// The place of a run among those of the campaign.
 const PLACE: &str = "place";
+
 /// The runs of a campaign, from their episodes, in memory that does not grow with these.
 #[derive(Debug, Clone, Default)]
 pub struct Runs {

@@ -324,6 +324,10 @@ impl Gate {
         if self.about_searches {
             return self.judge(&search_cell_table().frame(&found.searches));
         }
+        // A campaign of searches alone has no row.
+        if found.cells.is_empty() {
+            return Vec::new();
+        }
         let cells = gate_table(found, &requirements_in(&self.text));
         self.judge(&cells.expect("a bug: the tables of cells have one key"))
     }
