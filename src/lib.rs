@@ -7,6 +7,7 @@
 //! use std::io;
 //! use std::path::Path;
 //!
+//! use falsify::results::metrics::COLLISION_RATE;
 //! use falsify::session::{Input, RunOptions, Session};
 //!
 //! const SCENARIO: &str = r#"
@@ -40,7 +41,7 @@
 //! assert!(report.is_sound() && report.manifest.complete);
 //!
 //! // Read the tables: means and intervals of each cell of the grid, and a row for each episode.
-//! let rates: Vec<Option<f64>> = report.cells.iter().map(|cell| cell.collision.value).collect();
+//! let rates: Vec<Option<f64>> = report.cells.iter().map(|cell| cell.value(&COLLISION_RATE)).collect();
 //! assert!(rates.len() == 2 && rates.iter().flatten().all(|rate| (0.0..=1.0).contains(rate)));
 //! let episodes = std::fs::read_to_string(report.folder.join("episodes.csv"))?;
 //! assert_eq!(episodes.lines().count(), 1 + 2 * 25);
