@@ -1,7 +1,7 @@
 //! Gates: which cells they choose, how they judge them, and what is refused.
 
 use polars::prelude::{DataFrame, df};
-use results::report::{Gate, GateError, Judged, comparison_reference, rechecked_table};
+use results::report::{Gate, GateError, Judged, comparison_reference, rechecked_reference};
 
 #[test]
 fn a_column_of_searches_alone_makes_a_gate_about_searches() {
@@ -293,7 +293,7 @@ fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
 
 #[test]
 fn old_failures_that_were_not_met_pass_no_gate() {
-    let gate = Gate::of_table("still_faults > 0", &rechecked_table().reference()).unwrap();
+    let gate = Gate::of_table("still_faults > 0", &rechecked_reference()).unwrap();
     let judged = |still_faults: [u64; 2], not_met: [u64; 2]| {
         let all = [4_u64; 2];
         of_gate(&df!("failures" => all, "still_faults" => still_faults, "not_met" => not_met).unwrap(), &gate)

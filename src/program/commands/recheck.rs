@@ -107,7 +107,7 @@ pub struct RecheckArgs {
 
 /// `falsify recheck`
 pub fn recheck(options: &RecheckArgs) -> Ended {
-    let tables = [report::rechecked_table().reference(), report::crossed_table().reference()];
+    let tables = [report::rechecked_reference(), report::crossed_reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
     check_starts(options)?;
     let reporter = Arc::new(Reporter::new(options.progress));
@@ -151,7 +151,7 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
 /// Refuses conditions on a fixed list that is left out, or too short to pass any.
 fn check_starts(options: &RecheckArgs) -> Result<(), ExitCode> {
     let starts = options.starts.unwrap_or(if options.world.is_some() { 0 } else { STARTS });
-    let met = report::rechecked_table().reference();
+    let met = report::rechecked_reference();
     let about_list = options.fail_if.iter().find(|text| Gate::of_table(text, &met).is_err());
     match about_list {
         Some(text) if starts == 0 => Err(misused(format!(
@@ -170,7 +170,7 @@ fn check_starts(options: &RecheckArgs) -> Result<(), ExitCode> {
 fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
     let failures = Subject {
         judge: &|gate| {
-            let judged = gate.judge(&report::rechecked_table().frame(&recheck.failures));
+            let judged = gate.judge(&report::rechecked_table(&recheck.failures));
             unless_in_error(judged, recheck.failures.iter().map(|row| &row.encounters))
         },
         titles: recheck.failures.iter().map(RecheckedFailures::title).collect(),
@@ -180,7 +180,7 @@ fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
     };
     let crossings = Subject {
         judge: &|gate| {
-            let judged = gate.judge(&report::crossed_table().frame(&recheck.crossings));
+            let judged = gate.judge(&report::crossed_table(&recheck.crossings));
             unless_in_error(judged, recheck.crossings.iter().map(|row| &row.encounters))
         },
         titles: recheck.crossings.iter().map(CrossedStarts::title).collect(),
@@ -212,7 +212,7 @@ fn tell_causes(failed: &[String], recheck: &Recheck) {
         })
         .collect();
     let speed = |encounter: &Encounter| encounter.after.impact_speed.unwrap_or(0.0);
-    let was_fault = |encounter: &Encounter| encounter.fault_before() == Some(true);
+    let was_fault = |encounter: &Encounter| encounter.before.is_some_and(|before| before.fault);
     faults.sort_by(|(_, one), (_, other)| {
         was_fault(one).cmp(&was_fault(other)).then(speed(other).total_cmp(&speed(one)))
     });
@@ -248,8 +248,8 @@ fn as_json(recheck: &Recheck) -> serde_json::Value {
         "report": recheck.report.display().to_string(),
         "files": recheck.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "notes": notes,
-        "failures": report::json_rows(&report::rechecked_table().frame(&recheck.failures)),
-        "crossings": report::json_rows(&report::crossed_table().frame(&recheck.crossings)),
+        "failures": report::json_rows(&report::rechecked_table(&recheck.failures)),
+        "crossings": report::json_rows(&report::crossed_table(&recheck.crossings)),
         "failure_changes": changes(&failures),
         "crossing_changes": changes(&crossings),
     })

@@ -54,13 +54,13 @@ pub use metric_table::{METRICS, metric_references};
 
 // Reports side by side, and old failures with a new driver.
 pub use compare::{
-    Caveat, Changed, ComparedCell, ComparedSearch, CountedEvent, PairedRate, ReportComparison, Side, compare_reports,
+    Caveat, ComparedCell, ComparedSearch, CountedEvent, PairedRate, ReportComparison, Side, compare_reports,
     compared_cells, compared_search_table, comparison_reference,
 };
 pub use overview::{Found, Overview, Variant};
 pub use recheck::{
     CrossedStarts, Encounter, Encounters, Recheck, RecheckNote, RecheckedFailures, RerunOutcome, WalkedBy,
-    crossed_table, rechecked_table,
+    crossed_reference, crossed_table, rechecked_reference, rechecked_table,
 };
 
 // Text and pictures.
@@ -93,7 +93,7 @@ pub(crate) use aggregate::{
     search_comparisons,
 };
 pub(crate) use infer::{CellEvidence, Comparison, Evidence, EvidenceBuilder, Test};
-pub(crate) use recheck::{NOT_MET, StartFaults, is_gone, is_not_met};
+pub(crate) use recheck::NOT_MET;
 pub(crate) use render::{search_section, svg, table, town_map};
 pub(crate) use replayed::PlayedFailure;
 pub(crate) use table_stream::TableStream;

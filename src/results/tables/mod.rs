@@ -7,8 +7,10 @@ pub mod metrics;
 mod rate;
 mod cells;
 mod runs;
+pub mod pairs;
 
 pub use cells::{Cell, Cells, IS_FIXED_CASES, Varied, cell_columns, key_columns};
 pub use metrics::{METRICS, Metric};
+pub use pairs::Changed;
 pub use rate::{Method, Rate};
 pub use runs::Runs;

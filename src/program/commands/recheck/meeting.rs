@@ -61,9 +61,7 @@ impl Session {
         let crossings = sides.cross_all(&setups, options.starts.unwrap_or(STARTS), self, &mut notes);
         let report = options.report.clone();
         let files = options.files.clone();
-        let mut recheck = Recheck { report, files, notes, failures, crossings };
-        recheck.adjust();
-        Ok(recheck)
+        Ok(Recheck { report, files, notes, failures, crossings })
     }
 
     fn sides(&self, options: &RecheckArgs) -> Result<(Sides, Vec<RecheckNote>), Error> {
@@ -455,7 +453,6 @@ impl Sides {
                 tally.add();
                 tally.goes_on()
             }),
-            holm: None,
         }
     }
 

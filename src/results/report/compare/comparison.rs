@@ -1,20 +1,20 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, IntoLazy, PolarsResult, lit};
 
 use super::caveat::{Caveat, caveats};
+use super::episodes::{DIFFERS, SideEpisodes, run_pairs};
 use super::matching::{Incomparable, Matched, Side, lone_drivers, matched};
-use super::paired_rate::{Changed, CountedEvent, PairedRate, PooledStarts, VIOLATIONS};
+use super::paired_rate::{CountedEvent, PairedRate};
 use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
-use crate::failure::Failure;
-use crate::record::columns::START;
-use crate::record::{CellKey, EPISODES, EpisodeTable};
+use crate::record::{CellKey, RunKey};
 use crate::report::grouped::grouped;
 use crate::report::infer::{EvaluatedRun, MAX_KEPT, compare_pair};
-use crate::report::repeats::{Repeats, start_bits};
-use crate::report::{FailureChange, ReadError, SideCollision, SideEnd};
-use crate::tables::{Metric, metrics};
+use crate::report::read::StoredRun;
+use crate::report::{FailureChange, SideCollision};
+use crate::tables::pairs::{ROW, START, sides, starts, sums};
+use crate::tables::{Changed, Metric};
 
 /// Two sides, compared over the starts that they share.
 #[derive(Debug, Clone)]
@@ -99,160 +99,14 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     if is_one_report && (before.driver, before.world) == (after.driver, after.world) {
         notes.push(Caveat::Same);
     }
-    let failures = [before.report.failures()?, after.report.failures()?];
-    let collided = failures.each_ref().map(|all| collisions(all));
-    let violated = [violations(before, &failures[0])?, violations(after, &failures[1])?];
-    let applied = [before.report.applied_requirements()?, after.report.applied_requirements()?];
-    let is_compared =
-        |name: &&String| violated[1].contains_key(*name) && applied.iter().any(|all| all.contains_key(*name));
-    let requirements: Vec<&String> = violated[0].keys().filter(is_compared).collect();
-    let events = CountedEvent::all(requirements.iter().copied());
-    let of_collisions: Vec<&'static Metric> = metrics::compared().collect();
-    let kinds: Vec<&[&'static Metric]> =
-        std::iter::once(&of_collisions[..]).chain(requirements.iter().map(|_| &VIOLATIONS[..])).collect();
-    let touches = [before.report.touches()?, after.report.touches()?];
-    let cells = grouped(pairs, |pair| pair[0].key.cell.clone());
-    let (mut compared, mut changes) = (Vec::<ComparedCell>::new(), Vec::new());
-    let mut pools: Vec<Pool> = Vec::new();
-    let (mut unpaired, mut all, mut errors) = (0, 0, (0, None::<String>));
-    for cell in &cells {
-        let mut found = ComparedCell {
-            keys: cell[0].each_ref().map(|run| run.key.cell.clone()),
-            runs: cell.len() as u64,
-            ..ComparedCell::default()
-        };
-        let pool = match pools.iter().position(|pool| pool.cell.has_drivers_and_place_of(&found)) {
-            Some(place) => &mut pools[place],
-            None => pools.push_mut(Pool { cell: found.pooled(), ..Pool::default() }),
-        };
-        // Trainings differ from each other, which pairs of starts do not show.
-        let is_pooled = !found.keys[0].is_of_reward();
-        pool.controllers += usize::from(is_pooled);
-        pool.cell.runs += if is_pooled { found.runs } else { 0 };
-        // Collisions always can be.
-        let applies: Vec<bool> = std::iter::once(true)
-            .chain(requirements.iter().map(|name| {
-                let runs = |side: usize| applied[side].get(*name).into_iter().flatten();
-                cell.iter().any(|pair| (0..2).any(|side| runs(side).any(|run| *run == pair[side].key.id)))
-            }))
-            .zip(&kinds)
-            .flat_map(|(applies, metrics)| std::iter::repeat_n(applies, metrics.len()))
-            .chain([true])
-            .collect();
-        pool.applies.resize(events.len(), false);
-        pool.applies.iter_mut().zip(&applies).for_each(|(pooled, own)| *pooled |= is_pooled && *own);
-        let mut counts = vec![Changed::default(); events.len()];
-        // Collisions and each requirement apart.
-        let mut evaluated = vec![[Vec::new(), Vec::new()]; 1 + requirements.len()];
-        // The share of the starts of each run with a collision of both that is worse on either side.
-        let mut worse_by_run: Vec<[f64; 2]> = Vec::new();
-        for [first, second] in cell {
-            let (a, b) = (before.report.rows_of(first)?, after.report.rows_of(second)?);
-            let broken = |side: &Side<'_>| {
-                let path = side.report.folder().join(format!("{EPISODES}.parquet"));
-                move |source| Incomparable::Read(ReadError::Table { path: path.clone(), source })
-            };
-            let tables =
-                [EpisodeTable::new(&a).map_err(broken(&before))?, EpisodeTable::new(&b).map_err(broken(&after))?];
-            for (table, run) in tables.iter().zip([first, second]) {
-                for (row, error) in table.rows().filter_map(|row| Some((row, table.error(row)?))) {
-                    let name = || format!("{}:{}: {error}", run.key.id, table.episode(row));
-                    (errors.0, errors.1) = (errors.0 + 1, errors.1.or_else(|| Some(name())));
-                }
-            }
-            let counted = [
-                touches[0].counted(first.key.id, &a, &of_collisions).map_err(broken(&before))?,
-                touches[1].counted(second.key.id, &b, &of_collisions).map_err(broken(&after))?,
-            ];
-            let mut rows = common(&tables, [&a, &b]).map_err(broken(&before))?;
-            all += (a.height() + b.height()) as u64;
-            unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
-            // Repeating a pair to the bit says nothing more, unless a driver draws.
-            let start = |row: usize| start_bits(tables[0].spawn(row));
-            let mut repeats = Repeats::default();
-            for (row, other) in &rows {
-                repeats.add(start(*row), &[tables[0].digest(*row), tables[1].digest(*other)].concat());
-            }
-            rows.retain(|(row, _)| !repeats.repeats(start(*row)));
-            found.starts += rows.len() as u64;
-            let keys = [&first.key, &second.key];
-            let mut runs: Vec<[EvaluatedRun; 2]> =
-                evaluated.iter().map(|_| keys.map(|key| EvaluatedRun::new(key.clone(), MAX_KEPT))).collect();
-            let mut worse_here = [0.0_f64; 2];
-            for (row, partner) in &rows {
-                let ends = [(0, *row, first), (1, *partner, second)].map(|(side, row, run)| {
-                    let name = format!("{}:{}", run.key.id, tables[side].episode(row));
-                    let failure = collided[side].get(&name).copied();
-                    (name, failure)
-                });
-                let start = tables[0].episode(*row);
-                found.differing += u64::from(tables[0].digest(*row) != tables[1].digest(*partner));
-                let mut here: Vec<[bool; 2]> = Vec::with_capacity(events.len());
-                for (kind, runs) in runs.iter_mut().enumerate() {
-                    let of = |side: usize| -> Vec<bool> {
-                        let row = [*row, *partner][side];
-                        match kind.checked_sub(1) {
-                            None => counted[side].iter().map(|rows| rows[row]).collect(),
-                            Some(place) => violated[side][requirements[place]]
-                                .get(&ends[side].0)
-                                .copied()
-                                .unwrap_or_default()
-                                .to_vec(),
-                        }
-                    };
-                    let sides = [of(0), of(1)];
-                    for (side, run) in runs.iter_mut().enumerate() {
-                        run.add_events(start, kinds[kind].iter().copied().zip(sides[side].iter().copied()));
-                    }
-                    here.extend((0..kinds[kind].len()).map(|event| [sides[0][event], sides[1][event]]));
-                }
-                let worse = match ends.each_ref().map(|(_, failure)| failure.map(SideCollision::from)) {
-                    [Some(before), Some(after)] => [before.is_worse_than(&after), after.is_worse_than(&before)],
-                    _ => [false; 2],
-                };
-                (0..2).for_each(|side| worse_here[side] += f64::from(u8::from(worse[side])));
-                here.push(worse);
-                counts.iter_mut().zip(&here).for_each(|(count, [was, now])| count.count(*was, *now));
-                if is_pooled {
-                    pool.starts.count(start, &here);
-                }
-                if ends.iter().any(|(_, failure)| failure.is_some()) {
-                    let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure));
-                    changes.push(FailureChange { place: found.title(), sides });
-                }
-            }
-            worse_by_run.extend((!rows.is_empty()).then(|| worse_here.map(|count| count / rows.len() as f64)));
-            for (of_kind, runs) in evaluated.iter_mut().zip(runs).filter(|_| !rows.is_empty()) {
-                of_kind.iter_mut().zip(runs).for_each(|(side, run)| side.push(run));
-            }
-        }
-        pool.cell.differing += if is_pooled { found.differing } else { 0 };
-        if found.starts > 0 {
-            let figures = evaluated.into_iter().zip(&kinds).flat_map(|(runs, metrics)| compare_pair(runs, metrics));
-            let worse = PairedRate::of_runs(&worse_by_run, *counts.last().expect("it is the last event"), found.starts);
-            let rates = figures.zip(counts).map(|(figure, count)| PairedRate::of_cell(figure, count));
-            found.rates = rates.chain([worse]).zip(applies).map(|(rate, applies)| applies.then_some(rate)).collect();
-        }
-        compared.push(found);
+    let known = [SideEpisodes::new(before)?, SideEpisodes::new(after)?];
+    let events = CountedEvent::all(known[0].common_requirements(&known[1]).iter());
+    let mut found = Found::default();
+    for cell in grouped(pairs, |pair| pair[0].key.cell.clone()) {
+        found.add(&known, &cell, &events)?;
     }
-    compared.extend(pools.into_iter().filter(|pool| pool.controllers > 1).map(
-        |Pool { cell, starts, applies, .. }| {
-            let events = 0..if starts.count_all() > 0 { events.len() } else { 0 };
-            let rates = events.map(|event| applies[event].then(|| starts.rate(event))).collect();
-            ComparedCell { starts: starts.count_all(), rates, ..cell }
-        },
-    ));
-    for cell in &mut compared {
-        cell.rates
-            .iter_mut()
-            .flatten()
-            .for_each(|rate| rate.is_unchanged = cell.differing == 0 && rate.changed.is_same());
-    }
-    // A gate is about one rate, of single controllers or of all of them.
-    for (event, is_pooled) in (0..events.len()).flat_map(|event| [(event, false), (event, true)]) {
-        let cells = compared.iter_mut().filter(|cell| cell.is_pooled() == is_pooled);
-        PairedRate::adjust(cells.filter_map(|cell| cell.rates.get_mut(event)?.as_mut()));
-    }
+    let compared = found.adjusted(&events);
+    let Found { changes, episodes, unpaired, errors, .. } = found;
     if compared.iter().all(|cell| cell.starts == 0) && searches.iter().all(|search| search.starts == 0) {
         let because = notes.iter().find(|note| !matches!(note, Caveat::Trainings { .. })).map(ToString::to_string);
         return Err(Incomparable::NoStart { because });
@@ -265,7 +119,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         notes.push(Caveat::Unmatched { before: unmatched[0], after: unmatched[1] });
     }
     if unpaired > 0 {
-        notes.push(Caveat::Unpaired { episodes: unpaired, all });
+        notes.push(Caveat::Unpaired { episodes: unpaired, all: episodes });
     }
     if let (episodes, Some(first)) = errors {
         notes.push(Caveat::Errors { episodes, first });
@@ -277,38 +131,174 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     Ok(ReportComparison { folders, caveats: notes, events, cells: compared, changes, searches })
 }
 
+/// What is found cell by cell.
+#[derive(Debug, Default)]
+struct Found {
+    cells: Vec<ComparedCell>,
+    pools: Vec<Pool>,
+    changes: Vec<FailureChange>,
+    /// All episodes of the matched runs of both sides, and those without an equal start.
+    episodes: u64,
+    unpaired: u64,
+    /// Episodes in error, and the first of them.
+    errors: (u64, Option<String>),
+}
+
 /// The controllers of a driver in a place.
 #[derive(Debug, Default)]
 struct Pool {
     cell: ComparedCell,
     controllers: usize,
-    starts: PooledStarts,
+    /// The pairs of each controller.
+    pairs: Vec<DataFrame>,
     /// Whether each event can be: not where its requirement never applied.
     applies: Vec<bool>,
 }
 
-/// The collisions of evaluations, by their names.
-fn collisions(failures: &[Failure]) -> BTreeMap<String, &Failure> {
-    let is_collision =
-        |failure: &&Failure| !failure.is_of_search() && failure.violation.is_none() && !failure.is_bump();
-    failures.iter().filter(is_collision).map(|failure| (failure.name(), failure)).collect()
+impl Found {
+    /// Adds the runs of a cell.
+    fn add(
+        &mut self,
+        known: &[SideEpisodes<'_>; 2],
+        runs: &[[StoredRun; 2]],
+        events: &[CountedEvent],
+    ) -> Result<(), Incomparable> {
+        let keys = runs[0].each_ref().map(|run| run.key.cell.clone());
+        let mut cell = ComparedCell { keys, runs: runs.len() as u64, ..ComparedCell::default() };
+        let applies = |event: &CountedEvent| {
+            runs.iter().any(|run| known.iter().zip(run).any(|(side, run)| side.applies(event, run.key.id)))
+        };
+        let applies: Vec<bool> = events.iter().map(applies).collect();
+        let mut by_run = Vec::new();
+        for run in runs {
+            let found = run_pairs(known, run, events)?;
+            self.episodes += found.episodes;
+            self.unpaired += found.unpaired;
+            self.errors.0 += found.errors.0;
+            self.errors.1 = self.errors.1.take().or(found.errors.1);
+            let ends = found.ends.into_iter().filter(|sides| sides.iter().any(|side| side.collision.is_some()));
+            self.changes.extend(ends.map(|sides| FailureChange { place: cell.title(), sides }));
+            by_run.push(found.pairs);
+        }
+        let pairs = stacked(&by_run);
+        cell.starts = pairs.height() as u64;
+        cell.differing = sum(&pairs, DIFFERS);
+        if cell.starts > 0 {
+            cell.rates = rates(runs, &by_run, &pairs, events);
+            cell.rates.iter_mut().zip(&applies).for_each(|(rate, applies)| drop(rate.take_if(|_| !applies)));
+        }
+        let pool = match self.pools.iter().position(|pool| pool.cell.has_drivers_and_place_of(&cell)) {
+            Some(place) => &mut self.pools[place],
+            None => self.pools.push_mut(Pool { cell: cell.pooled(), ..Pool::default() }),
+        };
+        // Trainings differ from each other, which pairs of starts do not show.
+        if !cell.keys[0].is_of_reward() {
+            pool.controllers += 1;
+            pool.cell.runs += cell.runs;
+            pool.cell.differing += cell.differing;
+            pool.applies.resize(events.len(), false);
+            pool.applies.iter_mut().zip(&applies).for_each(|(pooled, own)| *pooled |= own);
+            pool.pairs.push(pairs);
+        }
+        self.cells.push(cell);
+        Ok(())
+    }
+
+    /// The cells, then those of several controllers, with the probabilities and intervals of all rates that are tested together.
+    fn adjusted(&mut self, events: &[CountedEvent]) -> Vec<ComparedCell> {
+        let mut cells = std::mem::take(&mut self.cells);
+        let pools = std::mem::take(&mut self.pools);
+        cells.extend(pools.into_iter().filter(|pool| pool.controllers > 1).map(|pool| pool.compared(events)));
+        for cell in &mut cells {
+            let is_unchanged = cell.differing == 0;
+            let rates = cell.rates.iter_mut().flatten();
+            rates.for_each(|rate| rate.is_unchanged = is_unchanged && rate.changed.is_same());
+        }
+        // A gate is about one rate, of single controllers or of all of them.
+        for (event, is_pooled) in (0..events.len()).flat_map(|event| [(event, false), (event, true)]) {
+            let cells = cells.iter_mut().filter(|cell| cell.is_pooled() == is_pooled);
+            PairedRate::adjust(cells.filter_map(|cell| cell.rates.get_mut(event)?.as_mut()));
+        }
+        cells
+    }
 }
 
-/// Of each requirement of a report the episodes that violate it, `RUN:EPISODE`, with the events that a violation is.
-fn violations(
-    side: Side<'_>,
-    failures: &[Failure],
-) -> Result<BTreeMap<String, BTreeMap<String, [bool; VIOLATIONS.len()]>>, ReadError> {
-    let requirements = side.report.requirements()?;
-    let mut violated: BTreeMap<String, BTreeMap<String, [bool; VIOLATIONS.len()]>> =
-        requirements.into_iter().map(|name| (name, BTreeMap::new())).collect();
-    for failure in failures.iter().filter(|failure| !failure.is_of_search()) {
-        if let Some(violation) = &failure.violation {
-            let events = [true, violation.preventable == Some(true), failure.fault];
-            violated.entry(violation.requirement.clone()).or_default().insert(failure.name(), events);
-        }
+impl Pool {
+    /// The row of all controllers: a start counts once, with the pairs of all of them.
+    fn compared(self, events: &[CountedEvent]) -> ComparedCell {
+        let names: Vec<String> = events.iter().map(CountedEvent::rate).collect();
+        let pairs = stacked(&self.pairs).lazy().with_column(lit(0).alias(ROW));
+        let found = || {
+            let starts = starts(pairs, names.iter().flat_map(|name| sums(name))).collect()?;
+            let changed = Changed::of(&starts, &names)?.into_iter().zip(self.applies).zip(&names);
+            let rate = |((changed, applies), name): ((Changed, bool), &String)| {
+                applies.then(|| PairedRate::of_starts(&starts, name, changed)).transpose()
+            };
+            let rates = if starts.height() > 0 { changed.map(rate).collect::<PolarsResult<_>>()? } else { Vec::new() };
+            Ok(ComparedCell { starts: starts.height() as u64, rates, ..self.cell })
+        };
+        let found: PolarsResult<ComparedCell> = found();
+        found.expect(HAS_EVENTS)
     }
-    Ok(violated)
+}
+
+const HAS_EVENTS: &str = "a table of pairs has a column for each event";
+
+/// The pairs of several runs.
+fn stacked(tables: &[DataFrame]) -> DataFrame {
+    let (first, others) = tables.split_first().expect("there is a run");
+    let mut all = first.clone();
+    for table in others {
+        all.vstack_mut(table).expect("the columns are those of the first");
+    }
+    all
+}
+
+fn sum(pairs: &DataFrame, column: &str) -> u64 {
+    let flags = pairs.column(column).and_then(|column| column.bool());
+    flags.expect(HAS_EVENTS).sum().unwrap_or_default().into()
+}
+
+/// The rates of a cell from the pairs of its runs.
+fn rates(
+    runs: &[[StoredRun; 2]],
+    by_run: &[DataFrame],
+    pairs: &DataFrame,
+    events: &[CountedEvent],
+) -> Vec<Option<PairedRate>> {
+    let names: Vec<String> = events.iter().map(CountedEvent::rate).collect();
+    let counts = Changed::of(pairs, &names).expect(HAS_EVENTS);
+    let runs: Vec<_> = runs.iter().zip(by_run).filter(|(_, pairs)| pairs.height() > 0).collect();
+    // Collisions, and each requirement apart.
+    let kinds = events[..events.len() - 1].chunk_by(|one, other| one.requirement == other.requirement);
+    let figures = kinds.flat_map(|kind| {
+        let side = |side: usize| runs.iter().map(|(run, pairs)| evaluated(&run[side].key, side, pairs, kind)).collect();
+        let metrics: Vec<&'static Metric> = kind.iter().map(|event| event.figure).collect();
+        compare_pair([side(0), side(1)], &metrics)
+    });
+    // The share of the starts of each run with a collision of both that is worse on either side.
+    let share = |(_, pairs): &(_, &DataFrame)| {
+        sides(&CountedEvent::WORSE.rate()).map(|name| sum(pairs, &name) as f64 / pairs.height() as f64)
+    };
+    let worse_by_run: Vec<[f64; 2]> = runs.iter().map(share).collect();
+    let worse = PairedRate::of_runs(&worse_by_run, *counts.last().expect("it is the last"), pairs.height() as u64);
+    let rates = figures.zip(counts).map(|(figure, changed)| PairedRate::of_cell(figure, changed));
+    rates.chain([worse]).map(Some).collect()
+}
+
+/// The episodes of one side of the pairs of a run, with events of one kind.
+fn evaluated(key: &RunKey, side: usize, pairs: &DataFrame, events: &[CountedEvent]) -> EvaluatedRun {
+    let mut run = EvaluatedRun::new(key.clone(), MAX_KEPT);
+    let numbers = pairs.column(START).and_then(|numbers| numbers.u64()).expect(HAS_EVENTS);
+    let column = |event: &CountedEvent| {
+        let column = pairs.column(&sides(&event.rate())[side]);
+        column.and_then(|column| column.bool()).expect(HAS_EVENTS).clone()
+    };
+    let columns: Vec<_> = events.iter().map(|event| (event.figure, column(event))).collect();
+    for (row, number) in numbers.into_no_null_iter().enumerate() {
+        run.add_events(number as u32, columns.iter().map(|(metric, column)| (*metric, column.get(row) == Some(true))));
+    }
+    run
 }
 
 impl ComparedCell {
@@ -348,17 +338,4 @@ impl ComparedCell {
 /// The driver of both sides, or both drivers.
 pub fn drivers([before, after]: &[String; 2]) -> String {
     if before == after { before.clone() } else { format!("{before} and {after}") }
-}
-
-/// The rows of episodes with the same number and the same start in two runs. Only episodes that count are compared.
-fn common([a, b]: &[EpisodeTable<'_>; 2], [before, after]: [&DataFrame; 2]) -> PolarsResult<Vec<(usize, usize)>> {
-    let (starts, others) = (START.read(before)?, START.read(after)?);
-    let numbered: BTreeMap<u32, usize> =
-        b.rows().filter(|row| b.counts(*row)).map(|row| (b.episode(row), row)).collect();
-    let partner = |row: usize| {
-        let other = *numbered.get(&a.episode(row))?;
-        let start = starts.get(row).filter(|start| !start.is_empty())?;
-        (others.get(other) == Some(start)).then_some((row, other))
-    };
-    Ok(a.rows().filter(|row| a.counts(*row)).filter_map(partner).collect())
 }

@@ -6,6 +6,7 @@
 mod caveat;
 mod matching;
 mod paired_rate;
+mod episodes;
 mod comparison;
 mod searches;
 mod table;
@@ -13,6 +14,6 @@ mod table;
 pub use caveat::Caveat;
 pub use comparison::{ALL_UNTRAINED, ComparedCell, ReportComparison, compare_reports, drivers};
 pub use matching::Side;
-pub use paired_rate::{Changed, CountedEvent, PairedRate};
+pub use paired_rate::{CountedEvent, PairedRate};
 pub use searches::{ComparedSearch, TRIED_STARTS, compared_search_table};
 pub use table::{COMMON_STARTS, DIFFERING, compared_cells, comparison_reference};

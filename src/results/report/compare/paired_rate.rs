@@ -1,8 +1,9 @@
-use std::collections::BTreeMap;
+use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 
 use crate::report::infer::Comparison;
-use crate::tables::Metric;
 use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE, IMPACT_SPEED, PREVENTABLE_RATE, compared};
+use crate::tables::pairs::{self, PAIRS};
+use crate::tables::{Changed, Metric};
 use base::statistics::{disagreement, holm, mcnemar, mean_disagreement, mean_interval_at, mean_p, sign_flip};
 
 /// What is counted of the violations of a requirement: all, the preventable ones and the faults. The metric of collisions stands for all of them.
@@ -56,40 +57,6 @@ impl CountedEvent {
     /// Whether it is of violations of any kind.
     pub fn is_violation(&self) -> bool {
         self.requirement.is_some() && *self.figure == COLLISION_RATE
-    }
-}
-
-/// The number of common starts with an event on one side or on both.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Changed {
-    /// On the first side only.
-    pub fixed: u64,
-    /// On the second side only.
-    pub new: u64,
-    /// On both sides.
-    pub same: u64,
-}
-
-impl Changed {
-    /// Adds other starts.
-    pub fn add(&mut self, other: Self) {
-        self.fixed += other.fixed;
-        self.new += other.new;
-        self.same += other.same;
-    }
-
-    /// Counts a start with this number of episodes with the event on either side.
-    pub fn count(&mut self, before: impl Into<u32>, after: impl Into<u32>) {
-        match (before.into(), after.into()) {
-            (0, 0) => {}
-            (before, after) if before == after => self.same += 1,
-            (before, after) if before > after => self.fixed += 1,
-            _ => self.new += 1,
-        }
-    }
-
-    pub(super) fn is_same(self) -> bool {
-        self.fixed + self.new == 0
     }
 }
 
@@ -153,21 +120,26 @@ impl PairedRate {
         Self { values: [mean(0), mean(1)], changed, by_run, p, spread: Spread::Runs { starts }, ..Self::default() }
     }
 
-    /// Of starts with their pairs of episodes, each with the number of events on either side. Starts are independent of each other, and the episodes of a
-    /// start are not: the sum over starts is tested, whose sign is that of the difference.
-    pub fn of_starts(starts: &[(u32, [u32; 2])], changed: Changed) -> Self {
-        let pairs: f64 = starts.iter().map(|(pairs, _)| f64::from(*pairs)).sum::<f64>().max(1.0);
-        let rate = |side: usize| starts.iter().map(|(_, events)| f64::from(events[side])).sum::<f64>() / pairs;
+    /// Of starts with their pairs of episodes (see [`pairs::starts`]). Starts are independent of each other, and the episodes of a start are not: the sum
+    /// over starts is tested, whose sign is that of the difference.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table with the event.
+    pub fn of_starts(starts: &DataFrame, event: &str, changed: Changed) -> PolarsResult<Self> {
+        let counts = |name: &str| Ok::<_, PolarsError>(starts.column(name)?.u32()?.into_no_null_iter().map(i64::from));
+        let [before, after] = pairs::sides(event);
         let differences: Vec<i64> =
-            starts.iter().map(|(_, [before, after])| i64::from(*after) - i64::from(*before)).collect();
-        let each = starts.len() as f64 / pairs;
-        Self {
-            values: [rate(0), rate(1)],
+            counts(&after)?.zip(counts(&before)?).map(|(after, before)| after - before).collect();
+        let pairs = counts(PAIRS)?.sum::<i64>().max(1) as f64;
+        let rate = |name: &str| Ok::<_, PolarsError>(counts(name)?.sum::<i64>() as f64 / pairs);
+        let each = differences.len() as f64 / pairs;
+        Ok(Self {
+            values: [rate(&before)?, rate(&after)?],
             changed,
-            p: (!starts.is_empty()).then(|| sign_flip(&differences)),
+            p: (!differences.is_empty()).then(|| sign_flip(&differences)),
             spread: Spread::Starts(differences.iter().map(|difference| *difference as f64 * each).collect()),
             ..Self::default()
-        }
+        })
     }
 
     /// Second less first.
@@ -209,56 +181,32 @@ impl PairedRate {
     }
 }
 
-/// The episodes of several controllers from common starts, pooled.
-#[derive(Debug, Default)]
-pub struct PooledStarts(BTreeMap<u32, PooledStart>);
-
-/// A start.
-#[derive(Debug, Default)]
-struct PooledStart {
-    /// The number of pairs of episodes.
-    pairs: u32,
-    /// The number of episodes with each event on either side.
-    events: Vec<[u32; 2]>,
-}
-
-impl PooledStarts {
-    /// Counts a pair of episodes from the start of this number.
-    pub fn count(&mut self, start: u32, events: &[[bool; 2]]) {
-        let found = self.0.entry(start).or_default();
-        found.pairs += 1;
-        found.events.resize(events.len(), [0; 2]);
-        for (sum, event) in found.events.iter_mut().zip(events) {
-            (0..2).for_each(|side| sum[side] += u32::from(event[side]));
-        }
-    }
-
-    /// The number of starts.
-    pub fn count_all(&self) -> u64 {
-        self.0.len() as u64
-    }
-
-    /// The rate of an event, by its place among them.
-    pub fn rate(&self, event: usize) -> PairedRate {
-        let starts: Vec<(u32, [u32; 2])> = self.0.values().map(|start| (start.pairs, start.events[event])).collect();
-        let mut changed = Changed::default();
-        starts.iter().for_each(|(_, [before, after])| changed.count(*before, *after));
-        PairedRate::of_starts(&starts, changed)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use polars::prelude::Column;
+
     use super::*;
+
+    /// Starts with their number of pairs, and the number of faults on either side.
+    fn of_starts(starts: &[(u32, [u32; 2])]) -> PairedRate {
+        let column = |name: &str, of: fn(&(u32, [u32; 2])) -> u32| {
+            Column::new(name.into(), starts.iter().map(of).collect::<Vec<u32>>())
+        };
+        let [before, after] = pairs::sides("fault");
+        let columns = vec![
+            column(PAIRS, |start| start.0),
+            column(&before, |start| start.1[0]),
+            column(&after, |start| start.1[1]),
+        ];
+        let table = DataFrame::new(starts.len(), columns).unwrap();
+        let changed = Changed::of(&table, &["fault".into()]).unwrap()[0];
+        PairedRate::of_starts(&table, "fault", changed).unwrap()
+    }
 
     /// A driver with two controllers, 100 starts; on the second side so many starts have a fault with one of them.
     fn worse_from(starts: u32) -> PairedRate {
-        let mut pooled = PooledStarts::default();
-        for start in 0..100 {
-            pooled.count(start, &[[false, start < starts && start % 2 == 0]]);
-            pooled.count(start, &[[false, start < starts && start % 2 == 1]]);
-        }
-        pooled.rate(0)
+        let starts: Vec<(u32, [u32; 2])> = (0..100).map(|start| (2, [0, u32::from(start < starts)])).collect();
+        of_starts(&starts)
     }
 
     #[test]
@@ -280,7 +228,8 @@ mod tests {
         // Ten starts lose a fault each, and two gain eight: there are more faults after.
         let mut starts = vec![(8, [1, 0]); 10];
         starts.extend([(8, [0, 8]); 2]);
-        let rate = PairedRate::of_starts(&starts, Changed { fixed: 10, new: 2, same: 0 });
+        let rate = of_starts(&starts);
+        assert_eq!(rate.changed, Changed { fixed: 10, new: 2, same: 0 });
         assert!(rate.difference() > 0.0 && mcnemar(10, 2) < 0.05);
         assert!(rate.p.unwrap() > 0.4, "no more than chance: {:?}", rate.p);
         let (low, high) = rate.interval_at(0.05).unwrap();

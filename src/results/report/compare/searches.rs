@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::comparison::drivers;
 use super::matching::{Matched, Side, is_renamed, paired};
-use super::paired_rate::{Changed, PairedRate};
+use super::paired_rate::PairedRate;
 use super::table::{MATCHED_RUNS, OTHER_DRIVER};
 use crate::failure::Failure;
 use crate::record::columns::{DRIVER, TOWN};
@@ -12,6 +12,7 @@ use crate::report::aggregate::{BUDGET, METHOD, SEARCH_BLOCK};
 use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
 use crate::report::{FailureChange, ReadError, SideEnd};
+use crate::tables::Changed;
 use compile::HERE;
 use world::falsifier::StartSet;
 use world::judge::Label;

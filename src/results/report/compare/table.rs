@@ -1,9 +1,10 @@
 use polars::prelude::DataFrame;
 
 use super::comparison::{ComparedCell, ReportComparison};
-use super::paired_rate::{Changed, CountedEvent, PairedRate};
+use super::paired_rate::{CountedEvent, PairedRate};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::{Column, Family, Role, Table, TableReference};
+use crate::tables::Changed;
 
 const BEFORE: Family<f64> = Family::new(
     "_before",

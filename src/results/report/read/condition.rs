@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn injuries_of_a_thousand_crossings_may_be_more_than_one() {
-        let parsed = |text: &str| Condition::parse(text, &crate::report::crossed_table().reference().columns);
+        let parsed = |text: &str| Condition::parse(text, &crate::report::crossed_reference().columns);
         assert!(parsed("avoidable_injury_after > 2.5").is_ok() && parsed("fault_share_after > 2.5").is_err());
     }
 

@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use polars::prelude::{DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, MaintainOrderJoin, PolarsResult, col};
+use polars::prelude::{
+    DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, LazyFrame, MaintainOrderJoin, PolarsResult, col,
+};
 
 use super::{ReadError, StoredReport};
 use crate::failure::{Failure, FoundBy};
@@ -11,7 +13,6 @@ use crate::record::{CellKey, EPISODES, EpisodeTable, RunKey};
 use crate::report::actors::{ACTORS, NEEDED, ROLE};
 use crate::report::aggregate::{APPLIES, METHOD, REQUIREMENT, REQUIREMENTS, SEARCH_BLOCK, SEARCH_RUN, SEARCHES};
 use crate::report::failure_table::{FAILURES, Row, failure_table, read_failures};
-use crate::tables::Metric;
 use compile::RunId;
 
 /// The number of rows of a table that are read at once.
@@ -24,11 +25,11 @@ pub struct Touches {
 }
 
 impl Touches {
-    /// Which rows of the episodes of a run each of these shares counts.
+    /// The episodes of a run, each with what the table of failures has of its touch.
     ///
     /// # Errors
     /// Those of polars, of a damaged table.
-    pub fn counted(&self, run: RunId, episodes: &DataFrame, shares: &[&Metric]) -> PolarsResult<Vec<Vec<bool>>> {
+    pub fn beside(&self, run: RunId, episodes: &DataFrame) -> PolarsResult<LazyFrame> {
         let mut touches: Option<DataFrame> = None;
         for part in self.runs.get(&run).into_iter().flatten() {
             match &mut touches {
@@ -43,12 +44,7 @@ impl Touches {
         let number = col(NUMBER.name).cast(DataType::UInt32).alias(EPISODE.name);
         let touches = touches.lazy().select([vec![number], more].concat());
         let order = JoinArgs { maintain_order: MaintainOrderJoin::Left, ..JoinArgs::new(JoinType::Left) };
-        let parts: Vec<Expr> = shares.iter().map(|share| (share.part)().alias(share.name)).collect();
-        let joined = episodes.clone().lazy().join(touches, [col(EPISODE.name)], [col(EPISODE.name)], order);
-        let found = joined.select(parts).collect()?;
-        let rows =
-            |share: &&Metric| Ok(found.column(share.name)?.bool()?.iter().map(|row| row == Some(true)).collect());
-        shares.iter().map(rows).collect()
+        Ok(episodes.clone().lazy().join(touches, [col(EPISODE.name)], [col(EPISODE.name)], order))
     }
 }
 

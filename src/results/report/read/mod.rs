@@ -8,6 +8,7 @@ mod failures;
 mod searches;
 
 pub use divergence::divergence;
+pub use failures::Touches;
 pub use gate::{Gate, GateError, Judged, TooFewRuns, requirements_in};
 pub use searches::StoredSearch;
 pub use stored::{Difference, ReadError, StoredReport, StoredRun, differences};

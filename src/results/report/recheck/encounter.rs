@@ -69,16 +69,12 @@ impl RerunOutcome {
         self.impact_speed.is_some()
     }
 
-    fn collision(&self) -> Option<SideCollision> {
+    /// Its collision, if it ends in one.
+    pub fn collision(&self) -> Option<SideCollision> {
         let class = if self.fault { FailureClass::Fault } else { FailureClass::Unjudged };
         let verdict = if self.fault { "fault" } else { "no fault" };
         let impact_speed = self.impact_speed?;
         Some(SideCollision { class, verdict, fault: self.fault, kind: String::new(), impact_speed })
-    }
-
-    /// Whether it is a collision that counts more against its driver than that of another driver.
-    pub fn is_worse_than(&self, other: &Self) -> bool {
-        self.collision().zip(other.collision()).is_some_and(|(own, other)| own.is_worse_than(&other))
     }
 
     /// The probability of a severe injury; 0 without a collision.
@@ -119,11 +115,6 @@ impl Encounter {
     pub fn is_error(&self) -> bool {
         self.after.error || self.before.is_some_and(|before| before.error)
     }
-
-    /// Whether it is a fault for the old driver; `None` if that is not known.
-    pub fn fault_before(&self) -> Option<bool> {
-        self.before.map(|before| before.fault)
-    }
 }
 
 impl Encounters {
@@ -135,21 +126,6 @@ impl Encounters {
     /// The encounters that no driver failed in as a program.
     pub fn valid(&self) -> impl Iterator<Item = &Encounter> {
         self.0.iter().filter(|encounter| !encounter.is_error())
-    }
-
-    /// Whether the old driver was run.
-    pub fn has_before(&self) -> bool {
-        self.0.iter().all(|encounter| encounter.before.is_some())
-    }
-
-    /// The ends for both drivers; empty if the old driver was not run.
-    pub fn ends(&self) -> impl Iterator<Item = (RerunOutcome, RerunOutcome)> {
-        self.valid().filter_map(|encounter| Some((encounter.before?, encounter.after)))
-    }
-
-    /// The number of encounters whose ends are so; `None` if the old driver was not run.
-    pub fn count(&self, is: impl Fn(&RerunOutcome, &RerunOutcome) -> bool) -> Option<u64> {
-        self.has_before().then(|| self.ends().filter(|(before, after)| is(before, after)).count() as u64)
     }
 }
 

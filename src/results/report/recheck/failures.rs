@@ -1,10 +1,9 @@
-use super::{Encounters, RerunOutcome};
+use super::Encounters;
 use crate::failure::FoundBy;
 use crate::record::in_world;
 use crate::report::FailureChange;
 use crate::report::compare::drivers;
 use base::choice;
-use base::statistics::clopper_pearson;
 
 choice! {
     /// What moves the pedestrian of a failure when it is met again.
@@ -38,15 +37,6 @@ impl RecheckedFailures {
     pub fn title(&self) -> String {
         let (found_in, walked_by) = (self.found_in.name(), self.walked_by.name());
         format!("{} in {}, {found_in}, by {walked_by}", drivers(&self.policies), in_world(&self.town, &self.world))
-    }
-
-    /// The share of the old driver's faults that are faults of the new driver, and its interval (95 %); of the other encounters if `was_fault` is false.
-    /// Those that were not met are left out. `None` without any.
-    pub fn fault_share(&self, was_fault: bool) -> Option<(f64, (f64, f64))> {
-        let is_met = |before: &RerunOutcome, after: &RerunOutcome| before.fault == was_fault && !after.is_missed;
-        let all = self.encounters.count(is_met).filter(|all| *all > 0)?;
-        let faults = self.encounters.count(|before, after| before.fault == was_fault && after.fault)?;
-        Some((faults as f64 / all as f64, clopper_pearson(faults, all, 0.05)))
     }
 
     /// The failures, as they end for both drivers.

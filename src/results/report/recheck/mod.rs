@@ -9,15 +9,13 @@ mod crossings;
 mod note;
 mod table;
 
-pub use crossings::{CrossedStarts, StartFaults};
+pub use crossings::CrossedStarts;
 pub use encounter::{Encounter, Encounters, RerunOutcome};
 pub use failures::{RecheckedFailures, WalkedBy};
 pub use note::RecheckNote;
-pub use table::{NOT_MET, crossed_table, is_better, is_gone, is_not_met, rechecked_table};
+pub use table::{NOT_MET, crossed_reference, crossed_table, rechecked_reference, rechecked_table};
 
 use std::path::PathBuf;
-
-use base::statistics::holm;
 
 /// The result of a recheck.
 #[derive(Debug, Clone)]
@@ -39,17 +37,5 @@ impl Recheck {
     pub fn errors(&self) -> u64 {
         let failures = self.failures.iter().map(|row| &row.encounters);
         failures.chain(self.crossings.iter().map(|row| &row.encounters)).map(Encounters::errors).sum()
-    }
-
-    /// Adjusts the probabilities of the fixed list for all rows in which a start differs.
-    pub fn adjust(&mut self) {
-        let differs = |row: &CrossedStarts| {
-            row.count_starts(|faults| faults.is_new() || faults.is_fixed()).is_some_and(|starts| starts > 0)
-        };
-        let tested: Vec<f64> = self.crossings.iter().filter(|row| differs(row)).filter_map(CrossedStarts::p).collect();
-        let mut adjusted = holm(&tested).into_iter();
-        for row in &mut self.crossings {
-            row.holm = if differs(row) { adjusted.next() } else { row.p() };
-        }
     }
 }

@@ -3,7 +3,8 @@
 use super::change_report::{ChangeReport, ChangeSection};
 use super::table::{Column, Table, Value};
 use crate::report::compare::drivers;
-use crate::report::{Changed, ComparedCell, ComparedSearch, CountedEvent, FailureChange, PairedRate, ReportComparison};
+use crate::report::{ComparedCell, ComparedSearch, CountedEvent, FailureChange, PairedRate, ReportComparison};
+use crate::tables::Changed;
 use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE};
 use base::statistics::mcnemar;
 

@@ -2,13 +2,12 @@
 
 use super::change_report::{ChangeReport, ChangeSection};
 use super::comparison_sections::p;
+use polars::prelude::DataFrame;
+
 use super::table::{Column, Table, Value};
 use crate::record::in_world;
 use crate::report::compare::drivers;
-use crate::report::recheck::is_better;
-use crate::report::{
-    CrossedStarts, Recheck, RecheckNote, RecheckedFailures, RerunOutcome, StartFaults, is_gone, is_not_met,
-};
+use crate::report::{NOT_MET, Recheck, RecheckNote, RecheckedFailures, crossed_table, rechecked_table};
 
 /// The result of a recheck.
 pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
@@ -23,10 +22,16 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
         [] => met.paragraphs.push("the report has none of these drivers".into()),
         rows => met.tables.push(failures(rows)),
     }
-    let crossed = recheck.crossings.iter().map(|row| ChangeSection {
-        heading: format!("{}: {} episodes from each of {} starts", row.title(), row.crossings, row.starts().len()),
-        paragraphs: verdict(row),
-        tables: vec![crossings(row)],
+    let list = crossed_table(&recheck.crossings);
+    let crossed = recheck.crossings.iter().enumerate().map(|(place, row)| ChangeSection {
+        heading: format!(
+            "{}: {} episodes from each of {} starts",
+            row.title(),
+            row.crossings,
+            number(&list, place, "starts").unwrap_or_default()
+        ),
+        paragraphs: verdict(&list, place),
+        tables: vec![crossings(&list, place)],
         is_unchanged: false,
         changes: row.changes(),
     });
@@ -48,85 +53,79 @@ fn failures(rows: &[RecheckedFailures]) -> Table {
             .map(Column::number),
     );
     head.extend(["gone", "not met", "errors", "avoidable injuries"].map(Column::number));
-    let row = |row: &RecheckedFailures| {
-        let count =
-            |is: fn(&RerunOutcome, &RerunOutcome) -> bool| Value::Count(row.encounters.count(is).unwrap_or_default());
-        let injuries = |of: fn((RerunOutcome, RerunOutcome)) -> RerunOutcome| -> f64 {
-            row.encounters.ends().map(|ends| of(ends).avoidable_injury()).sum::<f64>() + 0.0
-        };
-        vec![
+    let counts = rechecked_table(rows);
+    let row = |(place, row): (usize, &RecheckedFailures)| {
+        let mut values: Vec<Value> = vec![
             drivers(&row.policies).into(),
             in_world(&row.town, &row.world).into(),
             row.found_in.name().to_owned().into(),
             row.walked_by.name().to_owned().into(),
-            count(|_, _| true),
-            count(|before, _| before.fault),
-            count(|before, after| before.fault && after.fault),
-            count(|before, after| !before.fault && after.fault),
-            count(|_, after| after.is_collision()),
-            count(|before, after| after.is_worse_than(before)),
-            count(is_better),
-            count(is_gone),
-            count(is_not_met),
-            Value::Count(row.encounters.errors()),
-            format!("{:.3} → {:.3}", injuries(|(before, _)| before), injuries(|(_, after)| after)).into(),
-        ]
+        ];
+        values.extend(COUNTED.map(|name| count(&counts, place, name)));
+        let injuries = ["before", "after"]
+            .map(|side| number(&counts, place, &format!("avoidable_injuries_{side}")).unwrap_or_default());
+        values.push(format!("{:.3} → {:.3}", injuries[0], injuries[1]).into());
+        values
     };
-    Table { head, rows: rows.iter().map(row).collect(), ..Table::default() }
+    Table { head, rows: rows.iter().enumerate().map(row).collect(), ..Table::default() }
 }
 
-fn crossings(row: &CrossedStarts) -> Table {
+/// The counts of failures that were met again, in the order of the head.
+const COUNTED: [&str; 10] = [
+    "failures",
+    "old_faults",
+    "still_faults",
+    "turned_faults",
+    "still_collisions",
+    "still_collisions_worse",
+    "still_collisions_better",
+    "gone",
+    NOT_MET,
+    "failed_encounters",
+];
+
+/// A number of a row; `None` if it is missing.
+fn number(table: &DataFrame, row: usize, column: &str) -> Option<f64> {
+    table.column(column).ok()?.get(row).ok()?.extract()
+}
+
+fn count(table: &DataFrame, row: usize, column: &str) -> Value {
+    number(table, row, column).map_or("–".into(), |count| Value::Count(count as u64))
+}
+
+fn crossings(list: &DataFrame, row: usize) -> Table {
     let mut head = vec![Column::text("")];
     head.extend(["before", "after", "new", "fixed", "same", "p"].map(Column::number));
-    let count = |count: Option<u64>| count.map_or(Value::Text("–".into()), Value::Count);
-    let p = |value: Option<f64>| Value::Text(value.map_or("–".into(), p));
     let none = || Value::Text(String::new());
-    let faults = vec![
-        "faults".to_owned().into(),
-        count(row.encounters.count(|before, _| before.fault)),
-        Value::Count(row.encounters.valid().filter(|encounter| encounter.after.fault).count() as u64),
-        count(row.encounters.count(|before, after| !before.fault && after.fault)),
-        count(row.encounters.count(|before, after| before.fault && !after.fault)),
-        count(row.encounters.count(|before, after| before.fault && after.fault)),
-        none(),
-    ];
-    let starts = vec![
-        "starts with a fault".to_owned().into(),
-        count(row.count_starts(|faults| faults.before > 0)),
-        Value::Count(row.fault_starts_after()),
-        count(row.count_starts(|faults| faults.is_new())),
-        count(row.count_starts(|faults| faults.is_fixed())),
-        count(row.count_starts(|faults| faults.before > 0 && faults.after > 0)),
-        p(row.holm),
-    ];
-    let injury = |value: Option<f64>| Value::Number(value, 2);
+    let counts = |name: &'static str, of: &str, last: Value| {
+        let counts = ["before", "after", "new", "fixed", "same"].map(|part| count(list, row, &format!("{of}_{part}")));
+        std::iter::once(name.into()).chain(counts).chain([last]).collect::<Vec<Value>>()
+    };
+    let p = |column: &str| Value::Text(number(list, row, column).map_or("–".into(), p));
+    let value = |column: &str| Value::Number(number(list, row, column), 2);
     let injuries = vec![
-        "avoidable severe injuries in 1,000 episodes".to_owned().into(),
-        injury(row.avoidable_injury_before()),
-        injury(row.avoidable_injury_after()),
+        "avoidable severe injuries in 1,000 episodes".into(),
+        value("avoidable_injury_before"),
+        value("avoidable_injury_after"),
         none(),
         none(),
         none(),
-        p(row.p_starts()),
+        p("p_starts"),
     ];
     // All collisions, also those that nobody avoids: the first to show that a driver is worse.
-    let all_injuries = vec![
-        "severe injuries in all collisions, after less before".to_owned().into(),
-        none(),
-        injury(row.injury_difference()),
-        none(),
-        none(),
-        none(),
-        none(),
-    ];
+    let mut all_injuries = vec!["severe injuries in all collisions, after less before".into(), none()];
+    all_injuries.push(value("injury_difference"));
+    all_injuries.extend(std::iter::repeat_with(none).take(4));
+    let (faults, starts) =
+        (counts("faults", "faults", none()), counts("starts with a fault", "fault_starts", p("p_holm")));
     Table { head, rows: vec![faults, starts, injuries, all_injuries], ..Table::default() }
 }
 
 /// What the fixed list says, in sentences.
-fn verdict(row: &CrossedStarts) -> Vec<String> {
-    let counts = row.count_starts(StartFaults::is_worse).zip(row.count_starts(StartFaults::is_better));
-    let is_idle = row.encounters.count(|before, after| before.fault || after.fault) == Some(0);
-    let said = counts.map(|counts| match counts {
+fn verdict(list: &DataFrame, row: usize) -> Vec<String> {
+    let count = |column: &str| number(list, row, column).map(|count| count as u64);
+    let is_idle = ["faults_before", "faults_after"].map(count) == [Some(0); 2];
+    let said = count("starts_worse").zip(count("starts_better")).map(|counts| match counts {
         (0, 0) if is_idle => {
             "no episode is a fault of either driver, so the list says nothing about faults; --starts N looks at more"
                 .into()
@@ -134,7 +133,7 @@ fn verdict(row: &CrossedStarts) -> Vec<String> {
         (0, 0) => "from every start the new driver's faults weigh as much as those of the old one".into(),
         (worse, better) => format!("the new driver's faults weigh more from {worse} starts, and less from {better}"),
     });
-    let errors = Some(row.encounters.errors()).filter(|errors| *errors > 0);
+    let errors = count("failed_encounters").filter(|errors| *errors > 0);
     let errors = errors.map(|errors| format!("a driver failed as a program in {errors} episodes, which are left out"));
     said.into_iter().chain(errors).collect()
 }
