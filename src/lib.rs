@@ -97,11 +97,11 @@ pub mod driving {
     #[doc(inline)]
     pub use process::ProcessOpener;
     #[doc(inline)]
+    pub use road::geometry::{Obstacles, Vector, wrap_angle};
+    #[doc(inline)]
     pub use world::av::external::{Link, Opener, Program};
     #[doc(inline)]
     pub use world::av::{Actor, Cruise, CruiseKeys, DrivingMode, DrivingPolicy, Fault, Light, Perception};
-    #[doc(inline)]
-    pub use world::geometry::{Obstacles, Vector, wrap_angle};
     #[doc(inline)]
     pub use world::sim::{ActorId, Control, LightColour, ThrottleLine, VehicleBlueprint};
 }
@@ -109,11 +109,11 @@ pub mod driving {
 /// What a town is made of, and what a driver reads of it.
 pub mod towns {
     #[doc(inline)]
-    pub use world::geometry::{OrientedBox, Point, Pose};
+    pub use road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
     #[doc(inline)]
-    pub use world::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
+    pub use road::geometry::{OrientedBox, Point, Pose};
     #[doc(inline)]
-    pub use world::road::{
+    pub use road::{
         Connection, Cubic, ForkRule, Geometry, Junction, JunctionIndex, Lane, LaneFilter, LaneId, LaneKind,
         LaneSection, LaneStretch, OpenDriveProblem, OpenDriveWarning, PlanView, Profile, Road, RoadEnd, RoadIndex,
         RoadLink, RoadOption, RoutePlanner, Shape, SpeedSign, Town, TownParts, TrafficLight, Waypoint,
@@ -123,15 +123,17 @@ pub mod towns {
 /// What a pedestrian that walks gets and returns.
 pub mod walking {
     #[doc(inline)]
-    pub use world::env::Scene;
+    pub use episode::Scene;
     #[doc(inline)]
-    pub use world::falsifier::WalkPolicy;
+    pub use episode::walker::WalkPolicy;
     #[doc(inline)]
     pub use world::sim::WalkCommand;
 }
 
 /// The data of a run, a report and a repeated episode.
 pub mod results {
+    #[doc(inline)]
+    pub use episode::{Outcome, Scenario};
     #[doc(inline)]
     pub use export::{EgoDriver, ExportError, ExportFile, Exporter, Variant, Walking};
     #[doc(inline)]
@@ -146,7 +148,5 @@ pub mod results {
     #[doc(inline)]
     pub use results::tables::{Cell, Cells, Metric, metrics};
     #[doc(inline)]
-    pub use world::env::{Outcome, Scenario};
-    #[doc(inline)]
-    pub use world::judge::Verdict;
+    pub use verdict::Verdict;
 }

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use episode::{PolicyMaker, Scenario};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use world::av::external::{External, Link, Opener, Program, Settings};
 use world::av::{Exit, Fault};
-use world::env::{PolicyMaker, Scenario};
 
 /// The first exception that a driver has raised since the last look.
 #[derive(Clone, Default)]

@@ -1,12 +1,12 @@
 //! Episodes as Python values: their ends as dictionaries, their ticks as arrays.
 
+use episode::requirement::{Degree, NamedRequirement};
+use episode::{Ending, Scenario, Trace};
 use numpy::IntoPyArray;
 use numpy::ndarray::{Array1, Array2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use world::env::{Ending, Scenario, Trace};
-use world::judge::{Verdict, ViolationVerdict};
-use world::requirement::{Degree, NamedRequirement};
+use verdict::{Verdict, ViolationVerdict};
 use world::sim::PedestrianState;
 
 use super::world::End;

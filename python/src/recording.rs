@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
+use ::episode::Scenario;
 use numpy::PyReadonlyArray2;
 use numpy::ndarray::{ArrayView1, ArrayView2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use world::env::Scenario;
-use world::geometry::{Obstacles, OrientedBox, Point, Pose};
-use world::judge::{Encountered, RecordedRequirement, Recording, RecordingError, Reference, Sizes};
+use road::geometry::{Obstacles, OrientedBox, Point, Pose};
+use verdict::{Encountered, RecordedRequirement, Recording, RecordingError, Reference, Sizes};
 use world::sim::{PedestrianState, VehicleState};
 
 use super::episode;

@@ -7,14 +7,14 @@ use std::sync::Arc;
 use base::diagnostic::{Colour, Severity, Sources, records, render};
 use base::files;
 use compile::{Catalog, Overrides, Plan, Search, SearchKey, compile_with, episodes_seed};
+use episode::Scenario;
 use lang::{Reader, Unreadable, library};
 use numpy::PyReadonlyArray2;
 use process::ProcessOpener;
 use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use world::env::Scenario;
-use world::judge::Sizes;
+use verdict::Sizes;
 
 use super::driver::{Raised, with_driver};
 use super::recording::judged;

@@ -1,7 +1,7 @@
 //! A view from above, as pixels: lanes, obstacles, vehicles and pedestrians.
 
-use world::geometry::{OrientedBox, Point, Pose, Vector};
-use world::road::{LaneFilter, LaneKind};
+use road::geometry::{OrientedBox, Point, Pose, Vector};
+use road::{LaneFilter, LaneKind};
 
 use super::world::World;
 

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use base::seed::Seed;
+use episode::requirement::{Degree, NamedRequirement};
+use episode::walker::FaultStreak;
+use episode::{Draw, Observer, Outcome, Scenario, Simulation, Trace, carry_out};
 use learn::Step;
-use world::env::{Draw, Observer, Outcome, Scenario, Simulation, Trace, carry_out};
-use world::falsifier::FaultStreak;
-use world::judge::{Judged, Verdict, ViolationVerdict};
-use world::requirement::{Degree, NamedRequirement};
+use verdict::{Judged, Verdict, ViolationVerdict};
 use world::sim::WalkCommand;
 
 /// The end of an episode.

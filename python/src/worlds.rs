@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use ::episode::walker::{network_differs, network_fits};
+use ::episode::{Cast, Scenario};
 use numpy::ndarray::{Array1, Array2, Array3, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use world::env::{Cast, Scenario};
-use world::falsifier::{network_differs, network_fits};
-use world::judge::Label;
+use verdict::Label;
 use world::sim::WalkCommand;
 
 use super::driver::Raised;
@@ -146,12 +146,12 @@ impl Worlds {
     /// after the first four. Members of a role are told apart by their numbers within it.
     fn agents(&self) -> Vec<Agent> {
         let cast = &self.scenario.cast;
-        let agent = |(number, role): (usize, &world::env::PedestrianRole)| {
+        let agent = |(number, role): (usize, &::episode::PedestrianRole)| {
             let before = cast.pedestrians[..number].iter().filter(|other| other.name == role.name).count();
-            let further = role.observation.components().into_iter().skip(world::env::ObservationSpec::DIM);
+            let further = role.observation.components().into_iter().skip(::episode::ObservationSpec::DIM);
             let bounds =
                 further.map(|each| (each.low.unwrap_or(f64::NEG_INFINITY), each.high.unwrap_or(f64::INFINITY)));
-            let is_scaled = role.observation.scaling == world::env::Scaling::Unit;
+            let is_scaled = role.observation.scaling == ::episode::Scaling::Unit;
             (format!("{}_{before}", role.name), is_scaled, bounds.collect())
         };
         cast.controlled().map(agent).collect()

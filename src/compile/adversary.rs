@@ -3,12 +3,12 @@ use std::f64::consts::PI;
 use base::diagnostic::Diagnostic;
 use base::signature::{Form, Keys};
 use base::{choice, keys};
-use lang::diagnostics;
-use lang::hir::Block;
-use world::env::{
+use episode::{
     ActionSpec, Controller, Destination, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, Placement,
     ReferenceFrame, Scaling, TargetBox,
 };
+use lang::diagnostics;
+use lang::hir::Block;
 use world::sim::{Gait, PedestrianBody};
 
 /// Heights of the adult and the child target of Euro NCAP (m).

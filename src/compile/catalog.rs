@@ -10,8 +10,8 @@ use super::{
     spawn, town, training, vehicle, walker,
 };
 use base::signature::{Form, Keys, Signature, Type, Vocabulary};
+use episode::{EpisodeRule, MapWriter};
 use world::av::external::Opener;
-use world::env::{EpisodeRule, MapWriter};
 
 /// Tries a network where it can do no harm, before it is loaded into this process; the error is the reason, as a part of a sentence.
 pub type NetworkTrial = dyn Fn(&[u8]) -> Result<(), String> + Send + Sync;
@@ -63,7 +63,7 @@ impl Catalog {
         ];
         let bare = Self {
             forms,
-            vocabulary: world::env::vocabulary(),
+            vocabulary: episode::vocabulary(),
             policies: Vec::new(),
             towns: vec![town::drawn()],
             walkers: Vec::new(),

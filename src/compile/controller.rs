@@ -2,11 +2,11 @@ use std::sync::Arc;
 
 use super::lowering::Lowering;
 use base::signature::{DeclarationId, Form, Keys, Signature};
+use episode::walker::{Controller, Natural, NaturalKeys, Networked, NetworkedKeys, Programmed, ProgrammedKeys};
 use lang::diagnostics;
 use lang::hir::Declaration;
 use world::av::external::ProgramKeys;
 use world::av::onnx::Network;
-use world::falsifier::{Controller, Natural, NaturalKeys, Networked, NetworkedKeys, Programmed, ProgrammedKeys};
 
 /// A kind of controller: its keys, and how it is made.
 struct ControllerKind {

@@ -4,8 +4,8 @@ use super::fingerprint::Fingerprint;
 use super::lowering::Lowering;
 use super::reached::requirements_in;
 use base::signature::{DeclarationId, Formula, Value};
+use episode::robustness;
 use lang::hir::{Block, Declaration};
-use world::env::robustness;
 
 /// Optional keys that were added to the language later. Where they are left out they change no digest, so that tasks keep their names.
 const ADDED: &[&str] = &["credit", "destination", "forces", "from", "hard_starts", "others", "parameters", "policies"];

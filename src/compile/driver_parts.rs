@@ -5,10 +5,10 @@ use super::policy;
 use super::policy_kind::{CommonKeys, FromArguments};
 use base::signature::{Arguments, Keys, Signature, Type, Value};
 use base::units::Dimension;
+use episode::{DriverParts, PolicyMaker, Setting};
 use lang::hir::Declaration;
 use world::av::Weakness;
 use world::av::sensors::{SensorKeys, SensorModel};
-use world::env::{DriverParts, PolicyMaker, Setting};
 
 /// Keys of drivers and of sensors of which more is a repair: earlier, harder, slower, farther.
 const MORE: &str = "ahead aside behind full full_brake horizon least_gap margin memory partial partial_brake range reaction_allowance time_headway \

@@ -6,11 +6,11 @@ use super::grid::{Axis, Ground};
 use super::lowering::Lowering;
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::{DeclarationId, Form, Keys, Value};
+use episode::{BridgeKeys, EpisodeRule, ExternalWorld, HERE};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
+use road::Town;
 use world::av::NativeKeys;
-use world::env::{BridgeKeys, EpisodeRule, ExternalWorld, HERE};
-use world::road::Town;
 
 /// The form `world`.
 pub fn form() -> Form {

@@ -2,12 +2,13 @@ use std::sync::Arc;
 
 use base::diagnostic::Diagnostic;
 use base::signature::{Arguments, DeclarationId, Form, Keys, Signature, Value};
+use episode::walker::Controller;
 use lang::diagnostics;
 use lang::hir::Declaration;
 use learn::PpoConfig;
-use world::falsifier::{
-    Archive, ArchiveSearch, Controlled, ControlledKeys, Controller, Exhaustive, Falsifier, Learning, LearningKeys,
-    OpenLoop, TreeSearch,
+use search::{
+    Archive, ArchiveSearch, Controlled, ControlledKeys, Exhaustive, Falsifier, Learning, LearningKeys, OpenLoop,
+    TreeSearch,
 };
 
 /// What the keys of a falsifier may name.

@@ -2,10 +2,10 @@ use super::spawn::RouteKeys;
 use base::diagnostic::Diagnostic;
 use base::keys;
 use base::signature::Distribution;
+use episode::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, RoadShape, SpawnRule};
 use lang::diagnostics;
 use lang::hir::Declaration;
-use world::env::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, RoadShape, SpawnRule};
-use world::geometry::{Point, Pose};
+use road::geometry::{Point, Pose};
 
 keys! {
     /// The pedestrian walks a stated path, whatever the car does. `scripted` follows it as it is given; other pedestrians choose

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use base::signature::short;
-use world::env::{ActionSpec, Component, ObservationSpec, ObservedSpeed, ReferenceFrame, Scaling};
+use episode::{ActionSpec, Component, ObservationSpec, ObservedSpeed, ReferenceFrame, Scaling};
 
 /// The page of the state.
 pub fn state() -> String {

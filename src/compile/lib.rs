@@ -47,6 +47,7 @@ mod lower;
 mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
+pub use episode::HERE;
 pub use external_world::{BRIDGES, Misfit, Staging, bridge_command};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
@@ -62,4 +63,3 @@ pub use reference::{block, key, short_key};
 pub use run_id::{NoRunId, RunId};
 pub use town::TownKind;
 pub use walker::WalkerKind;
-pub use world::env::HERE;

@@ -13,10 +13,10 @@ use super::whole_plan::{forbid_equal_names, warn_of_unused};
 use super::{Catalog, adversary, policy, spawn, town};
 use base::diagnostic::{Diagnostic, Severity, Sources};
 use base::signature::DeclarationId;
+use episode::SpawnRule;
 use lang::hir::{Block, Declaration, ParamId};
 use lang::{Reader, Unreadable, diagnostics};
-use world::env::SpawnRule;
-use world::geometry::Obstacles;
+use road::geometry::Obstacles;
 
 /// The result of compiling a set of files.
 #[derive(Debug)]

@@ -9,10 +9,10 @@ use super::noting::Noting;
 use super::programs::ExternalProgram;
 use base::diagnostic::{Diagnostic, Sources};
 use base::signature::DeclarationId;
+use episode::{DriverParts, ExternalWorld, PolicyMaker};
 use lang::hir::{Block, Declaration, Program};
-use world::env::{DriverParts, ExternalWorld, PolicyMaker};
-use world::geometry::Obstacles;
-use world::road::Town;
+use road::Town;
+use road::geometry::Obstacles;
 
 /// A driver, ready to be shared.
 #[derive(Clone)]

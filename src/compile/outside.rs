@@ -6,12 +6,12 @@ use super::external_world::bridge_command;
 use super::lowering::Lowering;
 use super::policy_kind::FromArguments;
 use base::signature::{Arguments, Keys};
+use episode::BridgeKeys;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys};
-use world::env::BridgeKeys;
 
 /// A program, if the user allows programs. It is not started here. Other arguments may have other parameters for it.
 pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::Job;
 use base::signature::{Arguments, Keys};
+use episode::requirement::NamedRequirement;
+use road::Town;
 use world::av::CruiseKeys;
 use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
 use world::av::sensors::SensorModel;
-use world::requirement::NamedRequirement;
-use world::road::Town;
 
 /// Everything that is run.
 #[derive(Debug, Clone, Default)]

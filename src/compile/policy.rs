@@ -1,13 +1,12 @@
 use std::sync::Arc;
 
-use super::Catalog;
-use super::driver_parts;
 use super::lowering::{Lowering, MadeDriver};
 use super::plan::Driver;
 use super::policy_kind::{CommonKeys, FromArguments, PolicyKind, Sight};
-use super::{outside, sensors};
+use super::{Catalog, driver_parts, outside, sensors};
 use base::diagnostic::{Sources, Span};
 use base::signature::{Arguments, Form, Keys, Signature, Type, Value, short};
+use episode::PolicyMaker;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use ported::behavior_agent::BehaviorAgent;
@@ -17,7 +16,6 @@ use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
 use world::av::sensors::{SensorKeys, SensorModel, SensorWrapper};
 use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, Idm, Native, OracleBrake, Predictive, RssGuarded};
-use world::env::PolicyMaker;
 
 /// All kinds of drivers; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {

@@ -3,9 +3,9 @@ use std::sync::Arc;
 use super::lowering::Lowering;
 use base::keys;
 use base::signature::{Arguments, DeclarationId, Keys, Signature};
+use episode::PolicyMaker;
 use lang::hir::Declaration;
 use world::av::DrivingPolicy;
-use world::env::PolicyMaker;
 
 /// What a kind of driver knows of other actors, unless its sensors say otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,9 +2,9 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use base::signature::{Arguments, DeclarationId, Formula, Value};
+use episode::robustness_of;
 use lang::Setting;
 use lang::hir::{Block, ParamId, Program};
-use world::env::robustness_of;
 
 /// A declaration and all that it refers to, directly or not.
 pub(super) fn reached(program: &Program, from: DeclarationId) -> BTreeSet<DeclarationId> {

@@ -4,10 +4,10 @@ use super::lowering::Lowering;
 use base::diagnostic::Span;
 use base::keys;
 use base::signature::{DeclarationId, Form, Keys, Requirement, Temporal, Within, short};
+use episode::EpisodeRule;
+use episode::requirement::{NamedRequirement, ticks_within};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
-use world::env::EpisodeRule;
-use world::requirement::{NamedRequirement, ticks_within};
 
 keys! {
     /// What must be true of an episode, in temporal logic: `requirement name = always(gap < 1 m implies ego_speed < 3 m/s)`. An episode that violates

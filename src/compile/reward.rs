@@ -1,8 +1,8 @@
 use super::requirement;
 use base::keys;
 use base::signature::{DeclarationId, Form, Formula, Keys, Signature};
+use episode::{HitClass, RewardRule, robustness, robustness_of};
 use lang::hir::{Block, Declaration};
-use world::env::{HitClass, RewardRule, robustness, robustness_of};
 
 keys! {
     /// What the pedestrian is paid for: `on event => formula`, a plain number each. An event without a clause is worth nothing.

@@ -8,12 +8,12 @@ use base::signature::{
     ActorSignal, Comparison, DeclarationId, Distribution, Form, Formula, Function, Keys, Requirement, Value, VariableId,
 };
 use base::{choice, keys};
+use episode::requirement::NamedRequirement;
+use episode::walker::{self, Scripted};
+use episode::{Cast, Controller, PedestrianRole, Placement, PolicyMaker, SpawnRule, VehicleRole};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::av::{Cruise, CruiseKeys};
-use world::env::{Cast, Controller, PedestrianRole, Placement, PolicyMaker, SpawnRule, VehicleRole};
-use world::falsifier::{self, Scripted};
-use world::requirement::NamedRequirement;
 use world::sim::{ActorId, VehicleBlueprint};
 
 /// The word of the car under test, and that of a pedestrian that stands.
@@ -472,7 +472,7 @@ impl Lowering<'_> {
             };
             let controller = match &keys.moved_by {
                 None => Controller::External,
-                Some(Value::Choice(STILL)) => Controller::Own(falsifier::Controller::new(STILL, || Box::new(Scripted))),
+                Some(Value::Choice(STILL)) => Controller::Own(walker::Controller::new(STILL, || Box::new(Scripted))),
                 Some(word) => Controller::Own(self.untrained(block, "moved_by", word, place.is_none())?.0),
             };
             let adversary = keys.body.map(|id| self.adversary(id).value);

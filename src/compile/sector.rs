@@ -56,7 +56,7 @@ pub(super) fn names(condition: &Formula, vocabulary: &Vocabulary, variable: &str
 mod tests {
     use super::*;
     use base::signature::VariableId;
-    use world::env::vocabulary;
+    use episode::vocabulary;
 
     #[test]
     fn the_papers_sector_written_as_conditions_is_sampled_directly() {

@@ -1,17 +1,16 @@
 use std::f64::consts::PI;
 
 use super::given_path::GivenPathKeys;
-use super::sector;
 use super::target_walk::{AlongTestKeys, CrossingTestKeys};
-use super::{given_path, target_walk};
+use super::{given_path, sector, target_walk};
 use base::diagnostic::{Diagnostic, Sources};
 use base::signature::{Distribution, Form, Formula, Keys, Signature, Vocabulary};
 use base::{choice, keys};
+use episode::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
-use world::env::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
-use world::geometry::Pose;
-use world::road::RoadOption;
+use road::RoadOption;
+use road::geometry::Pose;
 
 choice! {
     /// Whether something must hide the pedestrian.

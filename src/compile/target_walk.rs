@@ -1,12 +1,12 @@
 use base::diagnostic::Diagnostic;
 use base::signature::Distribution;
 use base::{choice, keys};
-use lang::diagnostics;
-use lang::hir::Declaration;
-use world::env::{
+use episode::{
     EgoSpeed, EgoStart, Measure, RoadShape, SpawnRule, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
     euro_ncap_bands,
 };
+use lang::diagnostics;
+use lang::hir::Declaration;
 
 /// Half the length of the longest car of the catalogue (m), for checks that do not know the car.
 const MAX_HALF_LENGTH: f64 = 2.5;

@@ -1,9 +1,10 @@
 use super::falsifier::FalsifierKind;
 use base::signature::Keys;
-use world::falsifier::{
-    Controlled, Controller, Homing, HomingKeys, Intercept, InterceptKeys, Natural, Random, RandomKeys, Scripted,
-    ScriptedKeys, WalkPolicy,
+use episode::walker::{
+    Controller, Homing, HomingKeys, Intercept, InterceptKeys, Natural, Random, RandomKeys, Scripted, ScriptedKeys,
+    WalkPolicy,
 };
+use search::Controlled;
 
 /// A kind of pedestrian that walks without having learnt. `pedestrians` of an `evaluate` block name it by its word, and it is a kind of
 /// falsifier, which runs one episode from every start.

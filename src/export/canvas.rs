@@ -1,7 +1,7 @@
 use font8x8::legacy::BASIC_LEGACY;
 use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
-use world::geometry::Point;
+use road::geometry::Point;
 
 /// Red, green and blue.
 pub(super) type Colour = [u8; 3];

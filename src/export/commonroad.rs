@@ -15,8 +15,8 @@ use super::lane_bounds::lane_bounds;
 use super::opendrive::lane_of;
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
-use world::geometry::{OrientedBox, Point, Pose, wrap_angle};
-use world::road::{LaneKind, RoadIndex, Town, TrafficLight, Waypoint};
+use road::geometry::{OrientedBox, Point, Pose, wrap_angle};
+use road::{LaneKind, RoadIndex, Town, TrafficLight, Waypoint};
 use world::sim::LightColour;
 
 /// The exporter of CommonRoad scenarios.

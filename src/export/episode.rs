@@ -1,8 +1,8 @@
 use super::ExportError;
-use world::env::{Outcome, Scenario, Trace};
-use world::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
-use world::judge::Verdict;
-use world::road::{LaneFilter, Town, TrafficLight};
+use episode::{Outcome, Scenario, Trace};
+use road::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
+use road::{LaneFilter, Town, TrafficLight};
+use verdict::Verdict;
 use world::sim::{ActorId, LightColour, PedestrianBody, VehicleBlueprint};
 
 /// The height of a car (m); the world is flat, so its cars have none.

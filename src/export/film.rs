@@ -4,8 +4,8 @@ use super::Episode;
 use super::canvas::{Canvas, Colour};
 use super::episode::{Actor, Shape};
 use super::lane_bounds::lane_bounds;
-use world::geometry::{OrientedBox, Point, Pose, Vector};
-use world::road::{LaneKind, RoadIndex, Town, Waypoint};
+use road::geometry::{OrientedBox, Point, Pose, Vector};
+use road::{LaneKind, RoadIndex, Town, Waypoint};
 use world::sim::ActorId;
 
 /// Width and height of a frame (px); both even, as encoders want them.

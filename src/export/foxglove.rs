@@ -13,8 +13,8 @@ use super::episode::{Actor, Motion, OBSTACLE_HEIGHT, Shape};
 use super::lane_bounds::lane_bounds;
 use super::recording::{Channel, ChannelId, Recording};
 use super::{Episode, ExportError, ExportFile, Exporter, Variant};
-use world::geometry::{OrientedBox, Point};
-use world::road::{LaneKind, RoadIndex, Town, Waypoint};
+use road::geometry::{OrientedBox, Point};
+use road::{LaneKind, RoadIndex, Town, Waypoint};
 use world::sim::ActorId;
 
 /// The exporter of recordings for Foxglove.

@@ -1,5 +1,5 @@
-use world::geometry::Point;
-use world::road::{Town, Waypoint};
+use road::geometry::Point;
+use road::{Town, Waypoint};
 
 /// The left and the right edge of a lane over the length of its section, in the direction of the reference line.
 ///

@@ -12,11 +12,11 @@ use std::fmt::Display;
 use super::episode::OBSTACLE_HEIGHT;
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, Episode, ExportError, ExportFile, Exporter, Variant};
-use world::geometry::{OrientedBox, Point, Pose, wrap_angle};
-use world::road::opendrive::{self, Addition, OBSTACLE, TRIGGER};
-use world::road::{
+use road::geometry::{OrientedBox, Point, Pose, wrap_angle};
+use road::opendrive::{Addition, OBSTACLE, TRIGGER};
+use road::{
     Cubic, Geometry, Junction, JunctionIndex, Lane, LaneFilter, LaneKind, LaneSection, Profile, Road, RoadEnd,
-    RoadIndex, RoadLink, Shape, SpeedSign, Town, TownParts, TrafficLight, Waypoint,
+    RoadIndex, RoadLink, Shape, SpeedSign, Town, TownParts, TrafficLight, Waypoint, opendrive,
 };
 
 /// The exporter of the map of an episode.
@@ -385,7 +385,7 @@ fn write_obstacle(xml: &mut Xml, town: &Town, place: Waypoint, number: usize, ob
     let road = &town.roads[place.road.0 as usize];
     let line = road.plan_view.pose(place.s);
     let from_line = line.to_local(obstacle.pose.position());
-    let pivot = line.to_world(world::geometry::Vector::new(0.0, from_line.y));
+    let pivot = line.to_world(road::geometry::Vector::new(0.0, from_line.y));
     let own = Pose::new(pivot.x, pivot.y, obstacle.pose.yaw);
     let heading = wrap_angle(obstacle.pose.yaw - line.yaw);
     let id = format!("obstacle_{number}");

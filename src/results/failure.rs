@@ -6,11 +6,11 @@ use crate::jobs::SearchFailure;
 use crate::record::{CellKey, EpisodeTable, RunKey};
 use base::choice;
 use compile::SearchKey;
+use episode::Impact;
+use episode::requirement::{Degree, NamedRequirement};
+use verdict::cause::{part_of, unit_of};
+use verdict::{Class, Label, NoVerdict, Sight, ViolationVerdict};
 use world::av::DrivingMode;
-use world::cause::{part_of, unit_of};
-use world::env::Impact;
-use world::judge::{Class, Label, NoVerdict, Sight, ViolationVerdict};
-use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
 
 choice! {
@@ -85,7 +85,7 @@ pub struct Failure {
     pub verdict: Option<Label>,
     /// Whether the pedestrian moved as people do.
     pub foreseeable: bool,
-    /// Whether it counts against the driver, see [`world::judge`].
+    /// Whether it counts against the driver, see [`verdict`].
     pub fault: bool,
     /// The side of the car that was hit; `None` without a touch.
     pub impact: Option<Impact>,

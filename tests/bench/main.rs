@@ -10,14 +10,15 @@ use base::seed::Seed;
 use compile::Plan;
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use episode::walker::{Random, WalkPolicy};
+use episode::{Draw, Outcome, PolicyMaker, Scenario, Simulation, Trace, evaluate};
 use falsify::session::{Input, Session};
 use learn::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
 use rand::RngExt;
 use results::jobs::watch;
-use world::env::{Draw, Outcome, PolicyMaker, Scenario, Simulation, Trace};
-use world::falsifier::{PedestrianEnv, Random, TrainingRun, WalkPolicy, evaluate};
-use world::judge::{NearMiss, judge};
-use world::road::LaneFilter;
+use road::LaneFilter;
+use search::{PedestrianEnv, TrainingRun};
+use verdict::{NearMiss, judge};
 use world::sim::WalkCommand;
 
 fn main() {

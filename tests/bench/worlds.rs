@@ -13,7 +13,7 @@ use base::seed::Seed;
 use compile::{Catalog, compile, episodes_seed};
 use learn::Env;
 use rayon::prelude::*;
-use world::falsifier::PedestrianEnv;
+use search::PedestrianEnv;
 
 /// CPU seconds of the process; wall seconds where the system has no such count.
 #[cfg(unix)]

@@ -1,8 +1,8 @@
 //! Towns of straight streets.
 
-use world::geometry::Point;
-use world::road::Town;
-use world::road::design::{Carriageway, Node, Street, TownDesign};
+use road::Town;
+use road::design::{Carriageway, Node, Street, TownDesign};
+use road::geometry::Point;
 
 /// A town of these nodes (m), with streets through these of them.
 pub fn town(nodes: &[(f64, f64)], streets: &[&[usize]]) -> Town {

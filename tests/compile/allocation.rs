@@ -8,7 +8,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::{Controller, Draw, Observer, Placement, Trace, VehicleRole, carry_out};
+use episode::{Controller, Draw, Observer, Placement, Trace, VehicleRole, carry_out};
 use world::sim::WalkCommand;
 
 use crate::cast::{ahead, away, two_and_two};

@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use base::seed::{Seed, Stream};
 use compile::{Catalog, compile};
+use episode::walker::{Homing, Intercept, Natural, Random, WalkPolicy};
+use episode::{Scenario, Trace, evaluate_observed};
 use rand::RngExt;
 use rayon::prelude::*;
+use road::geometry::{Point, Pose, Vector};
+use verdict::{Encountered, Recording, Verdict, judge};
 use world::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion, Threat};
-use world::env::{Scenario, Trace};
-use world::falsifier::{Homing, Intercept, Natural, Random, WalkPolicy, evaluate_observed};
-use world::geometry::{Point, Pose, Vector};
-use world::judge::{Encountered, Recording, Verdict, judge};
 use world::sim::{PedestrianState, VehicleState};
 
 use crate::samples::samples;

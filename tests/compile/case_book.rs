@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Catalog, compile};
+use episode::Scenario;
 use rand::RngExt;
+use road::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
 use serde::Deserialize;
+use verdict::{ContactSide, Encountered, Recording};
 use world::av::reference_drivers::DelayedBrake;
-use world::env::Scenario;
-use world::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
-use world::judge::{ContactSide, Encountered, Recording};
 use world::sim::{PedestrianState, VehicleState};
 
 /// Seconds between two instants of a recording, and its ends, before and after the planned meeting (s).

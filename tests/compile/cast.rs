@@ -8,20 +8,19 @@ use std::sync::{Arc, LazyLock};
 use base::seed::Seed;
 use base::signature::{DeclarationId, Distribution};
 use compile::{Catalog, Plan, compile};
-use learn::{Agent, Credit, Env, Policies, PpoConfig};
-use world::av::{DrivingMode, PerfectSensors};
-use world::cause::{Incident, Reruns, needs};
-use world::env::{
+use episode::walker::{
+    ActionMode, Forces, Gaps, Intercept, Natural, NaturalKeys, Random, Recording, TrainedWalker, WalkPolicy,
+};
+use episode::{
     ActionSpec, Controller, Criterion, Destination, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer,
-    Outcome, PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out,
+    Outcome, PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out, evaluate, follow, play,
 };
-use world::falsifier::{
-    ActionMode, Archive, ArchiveSearch, BudgetedSimulation, Failure, Falsifier, Forces, Gaps, Intercept, Learning,
-    Natural, NaturalKeys, PedestrianEnv, Random, Recording, TrainedWalker, TrainingRun, WalkPolicy, evaluate, follow,
-    play,
-};
-use world::geometry::{Obstacles, Point, Pose};
-use world::judge::{Class, NearMiss, judge};
+use learn::{Agent, Credit, Env, Policies, PpoConfig};
+use road::geometry::{Obstacles, Point, Pose};
+use search::{Archive, ArchiveSearch, BudgetedSimulation, Failure, Falsifier, Learning, PedestrianEnv, TrainingRun};
+use verdict::cause::{Incident, Reruns, needs};
+use verdict::{Class, NearMiss, judge};
+use world::av::{DrivingMode, PerfectSensors};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
@@ -227,7 +226,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     // At the touch the boxes have no gap; one tick earlier they have one.
     let (ego, other) = (trace.vehicle(0), trace.vehicle(1));
     let last = ego.len() - 1;
-    let outline = |frame: &world::env::VehicleFrame| frame.state.outline(&scenario.cast.ego().blueprint);
+    let outline = |frame: &episode::VehicleFrame| frame.state.outline(&scenario.cast.ego().blueprint);
     assert!(outline(&ego[last]).overlaps(&outline(&other[last])));
     assert!(!outline(&ego[last - 1]).overlaps(&outline(&other[last - 1])));
 }
@@ -441,7 +440,7 @@ fn placed_pedestrians_keep_their_distances_and_draw_for_themselves() {
 fn a_pedestrian_with_a_controller_of_its_own_walks_by_it_whatever_is_decided() {
     let place = ActorStart::standing(Pose::new(90.0, -6.0, 0.0));
     let with = |controller| Arc::new(two_and_two("follower", ("slow", ahead(40.0)), (place, controller)));
-    let own = world::falsifier::Controller::new("intercept", || Box::new(Intercept));
+    let own = episode::walker::Controller::new("intercept", || Box::new(Intercept));
     let (alone, left) = (with(Controller::Own(own)), with(Controller::External));
     let (outcome, trace) = run(&alone, [STANDING; 2]);
     // The same pedestrian, moved from outside; the first one stands.
@@ -541,7 +540,7 @@ fn requirements_name_roles_and_hold_of_every_member_of_a_group() {
     assert!(!shadow.is_violated());
     // The samples of a recorded episode have the same values.
     let pair = trace.main_pair(&scenario);
-    let again = world::env::OtherDrive::recorded(pair, &scenario.requirements[0].requirement);
+    let again = episode::OtherDrive::recorded(pair, &scenario.requirements[0].requirement);
     assert!((again.robustness - room.robustness).abs() < 1e-9);
 }
 

@@ -8,15 +8,14 @@ use std::sync::Arc;
 
 use base::seed::{Seed, Stream};
 use compile::{Catalog, ControllerKind, Plan, compile};
+use episode::{Criterion, DriverParts, Outcome, Scenario, Trace, evaluate_observed, recorded_commands};
 use lang::Reader;
 use needs::needs;
 use process::ProcessOpener;
+use road::geometry::Vector;
+use verdict::cause::{Incident, Questions, Reruns, RunLimit, StartRule, TurnedBy, around, explain};
+use verdict::{Blame, Judged};
 use world::av::{Actor, DrivingMode, DrivingPolicy, Perception, Weakness};
-use world::cause::{Incident, Questions, Reruns, RunLimit, StartRule, TurnedBy, around, explain};
-use world::env::{Criterion, DriverParts, Outcome, Scenario, Trace};
-use world::falsifier::{evaluate_observed, recorded_commands};
-use world::geometry::Vector;
-use world::judge::{Blame, Judged};
 use world::sim::Control;
 
 use crate::samples::samples;

@@ -5,9 +5,9 @@ use std::sync::{Arc, LazyLock};
 
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
+use episode::{Draw, Scenario};
+use road::geometry::{Obstacles, Pose};
 use world::av::{DrivingMode, PerfectSensors};
-use world::env::{Draw, Scenario};
-use world::geometry::{Obstacles, Pose};
 use world::sim::{ActorStart, Contact, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
@@ -112,7 +112,7 @@ fn the_oracle_hits_no_person_while_it_moves() {
         while env.outcome().is_none() {
             env.carry_out(&[env.scene().intercept(0)]);
         }
-        if let world::env::Ending::Touch { moving: at_speed, .. } = env.outcome().unwrap().ending {
+        if let episode::Ending::Touch { moving: at_speed, .. } = env.outcome().unwrap().ending {
             hits += 1;
             moving += u32::from(at_speed);
         }

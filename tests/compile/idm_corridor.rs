@@ -6,9 +6,9 @@ use rand::RngExt;
 
 use base::seed::Seed;
 use compile::{Catalog, Evaluation, compile};
+use road::LaneFilter;
+use road::geometry::{Obstacles, Point, Pose, Vector};
 use world::av::{Actor, DrivingPolicy, Perception};
-use world::geometry::{Obstacles, Point, Pose, Vector};
-use world::road::LaneFilter;
 use world::sim::{ActorId, Control};
 
 fn standing(number: u8, pose: Pose) -> Actor {

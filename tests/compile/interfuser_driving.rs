@@ -6,11 +6,11 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
+use episode::Scenario;
 use ported::interfuser::InterFuser;
+use road::LaneFilter;
+use road::geometry::{Pose, Vector};
 use world::av::{DrivingMode, DrivingPolicy, PerfectSensors};
-use world::env::Scenario;
-use world::geometry::{Pose, Vector};
-use world::road::LaneFilter;
 use world::sim::{ActorStart, PedestrianBody, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"

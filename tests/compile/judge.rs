@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
-use world::env::{Actions, Draw, Ending, Observer, Outcome, Scenario, Scene, Trace, VehicleFrame};
-use world::falsifier::{Intercept, evaluate_observed};
-use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use world::judge::{
+use episode::walker::Intercept;
+use episode::{Actions, Draw, Ending, Observer, Outcome, Scenario, Scene, Trace, VehicleFrame, evaluate_observed};
+use road::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use verdict::{
     ContactSide, Encounter, FalseAlarms, Inquiry, Label, Recording, Reference, Sight, Trial, judge, share_of_drivers,
 };
+use world::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
 use world::sim::{ActorId, Contact, PedestrianState, VehicleState, World};
 
 const SCENARIO: &str = r#"

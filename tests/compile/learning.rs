@@ -6,8 +6,9 @@ use std::path::Path;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, ControllerKind, compile};
-use world::env::Outcome;
-use world::falsifier::{ActionMode, Random, TrainedWalker, TrainingRun, WalkPolicy, evaluate, first_networks};
+use episode::walker::{ActionMode, Random, TrainedWalker, WalkPolicy};
+use episode::{Outcome, evaluate};
+use search::{TrainingRun, first_networks};
 
 const SCENARIO: &str = r#"
 edition 1

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Compiled, compile};
-use world::env::{Draw, Scenario};
+use episode::{Draw, Scenario};
 
 use crate::straight_road::map;
 

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Catalog, compile};
+use episode::walker::{Gaps, Natural, NaturalKeys, RecordedWalking, Recording};
+use episode::{Outcome, Scenario, Trace, evaluate_observed};
 use needs::needs;
-use world::env::{Outcome, Scenario, Trace};
-use world::falsifier::{Gaps, Natural, NaturalKeys, RecordedWalking, Recording, evaluate_observed};
-use world::geometry::{Vector, wrap_angle};
+use road::geometry::{Vector, wrap_angle};
 
 use crate::reference;
 

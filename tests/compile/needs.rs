@@ -8,10 +8,9 @@ use rand::RngExt;
 use crate::cast::{ahead, away, two_and_two};
 use crate::samples::samples;
 use base::seed::{Seed, Stream};
-use world::cause::{Incident, Limit, Reruns, needs, shrink};
-use world::env::{Controller, Criterion, PedestrianRole, Placement, Scenario};
-use world::falsifier::follow;
-use world::geometry::Pose;
+use episode::{Controller, Criterion, PedestrianRole, Placement, Scenario, follow};
+use road::geometry::Pose;
+use verdict::cause::{Incident, Limit, Reruns, needs, shrink};
 use world::sim::{ActorId, ActorStart, WalkCommand};
 
 const STANDING: WalkCommand = WalkCommand { heading: 0.0, speed: 0.0 };

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
-use world::env::{Destination, Outcome, ReferenceFrame, Scaling, Scenario, Trace};
-use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_observed};
-use world::geometry::{Obstacles, Point, wrap_angle};
-use world::judge::PedestrianMotion;
-use world::road::{Town, TownParts};
+use episode::walker::{Homing, Intercept, Random, WalkPolicy};
+use episode::{Destination, Outcome, ReferenceFrame, Scaling, Scenario, Trace, evaluate_observed};
+use road::geometry::{Obstacles, Point, wrap_angle};
+use road::{Town, TownParts};
+use verdict::PedestrianMotion;
 use world::sim::Gait;
 
 const SCENARIO: &str = r#"

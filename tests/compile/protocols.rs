@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use base::seed::{Seed, Stream};
 use compile::{Catalog, Plan, compile};
+use episode::walker::Scripted;
+use episode::{Ending, Outcome, Scenario, TargetSide, TestCriterion, Trace, evaluate_observed};
 use needs::needs;
+use road::geometry::Vector;
 use world::av::{DrivingMode, DrivingPolicy, Perception};
-use world::env::{Ending, Outcome, Scenario, TargetSide, TestCriterion, Trace};
-use world::falsifier::{Scripted, evaluate_observed};
-use world::geometry::Vector;
 use world::sim::{Control, VehicleBlueprint};
 
 use crate::reference;
@@ -374,7 +374,7 @@ fn assert_has(test: &str, speeds: &[f64], overlaps: &[f64]) {
     let scenario = scenario(test, "blind");
     let walk = scenario.spawn.target_walk.as_ref().unwrap();
     for (speed, overlap) in speeds.iter().flat_map(|speed| overlaps.iter().map(move |overlap| (speed, overlap))) {
-        let is_it = |case: &&world::env::TestCase| {
+        let is_it = |case: &&episode::TestCase| {
             (case.test_speed * 3.6 - speed).abs() < 1e-9 && (case.overlap * 100.0 - overlap).abs() < 1e-9
         };
         assert_eq!(walk.cases.iter().filter(is_it).count(), 1, "{test} at {speed} km/h and {overlap} %");

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use base::seed::{Seed, Stream};
+use episode::Scenario;
 use rand::RngExt;
-use world::env::Scenario;
-use world::judge::{Encountered, Recording, RecordingFileError};
+use verdict::{Encountered, Recording, RecordingFileError};
 
 /// An encounter on a straight road. The car drives east; its bumper is at `x = 0` at time 0.
 #[derive(Clone, Copy)]

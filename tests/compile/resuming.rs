@@ -8,9 +8,10 @@ use std::slice::from_ref;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
+use episode::ObservationSpec;
+use episode::walker::{ActionMode, Intercept, TrainedWalker, WalkPolicy};
 use learn::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
-use world::env::ObservationSpec;
-use world::falsifier::{ActionMode, Intercept, PedestrianEnv, TrainedWalker, TrainingRun, WalkPolicy};
+use search::{PedestrianEnv, TrainingRun};
 use world::sim::WalkCommand;
 
 /// Short episodes with drivers that have memory and drivers that draw random numbers; settings of both kinds.

@@ -5,11 +5,11 @@ use std::sync::{Arc, LazyLock, Mutex};
 
 use base::seed::{Seed, Stream};
 use compile::{Catalog, Plan, compile};
+use episode::{Draw, Scenario};
 use rand::Rng;
+use road::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use world::av::sensors::{ConfusedAs, Prediction, Seam, Sector, SensorKeys, SensorModel, SensorWrapper};
 use world::av::{Actor, ActuationDelay, DrivingMode, DrivingPolicy, Perception};
-use world::env::{Draw, Scenario};
-use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use world::sim::{ActorId, Control};
 
 fn plan(text: &str) -> Plan {

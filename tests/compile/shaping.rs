@@ -8,7 +8,7 @@ use base::seed::Seed;
 use compile::{Catalog, Training, compile};
 use learn::{Env, shaping};
 use rand::RngExt;
-use world::falsifier::{PedestrianEnv, TrainingRun};
+use search::{PedestrianEnv, TrainingRun};
 
 /// Rewards with and without a potential.
 const SCENARIO: &str = r#"

@@ -8,11 +8,11 @@ use std::time::Instant;
 
 use base::seed::Seed;
 use compile::{Catalog, ControllerKind, compile};
-use world::cause::{FailureKind, Incident, Limit, Plan, Reruns, Segment, Shrunk, shrink};
-use world::env::{Criterion, Scenario, Trace};
-use world::falsifier::{WalkPolicy, evaluate_observed, follow, log_likelihood, recorded_commands};
-use world::geometry::wrap_angle;
-use world::judge::{Blame, Judged};
+use episode::walker::{WalkPolicy, log_likelihood};
+use episode::{Criterion, Scenario, Trace, evaluate_observed, follow, recorded_commands};
+use road::geometry::wrap_angle;
+use verdict::cause::{FailureKind, Incident, Limit, Plan, Reruns, Segment, Shrunk, shrink};
+use verdict::{Blame, Judged};
 use world::sim::WalkCommand;
 
 fn scenario(driver: &str) -> (Arc<Scenario>, Box<dyn WalkPolicy>) {
@@ -37,7 +37,7 @@ fn incidents(driver: &str, count: usize) -> Vec<Incident> {
     let (scenario, mut walker) = scenario(driver);
     let seed = Seed::root(4);
     let mut found = Vec::new();
-    let mut note = |start: u32, outcome: &world::env::Outcome, trace: &Trace| {
+    let mut note = |start: u32, outcome: &episode::Outcome, trace: &Trace| {
         let judged = Judged::by(Criterion::Collision, outcome, &trace.main_pair(&scenario));
         if judged.is(Criterion::Collision, Blame::Any) && outcome.counts() {
             found.push((u64::from(start), recorded_commands(trace)));

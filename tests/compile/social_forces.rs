@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use base::seed::Seed;
-use world::env::{Controller, Destination, Draw, Observer, PedestrianRole, Placement, Trace, carry_out};
-use world::falsifier::{Forces, Gaps, Natural, NaturalKeys, Recording, WalkPolicy};
-use world::geometry::{Obstacles, OrientedBox, Point, Pose};
+use episode::walker::{Forces, Gaps, Natural, NaturalKeys, Recording, WalkPolicy};
+use episode::{Controller, Destination, Draw, Observer, PedestrianRole, Placement, Trace, carry_out};
+use road::geometry::{Obstacles, OrientedBox, Point, Pose};
 use world::sim::{ActorStart, WalkCommand};
 
 use crate::cast::{ahead, away, two_and_two};

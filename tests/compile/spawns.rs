@@ -6,9 +6,9 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::{FirstHeading, Scenario, Spawn};
-use world::geometry::wrap_angle;
-use world::road::LaneFilter;
+use episode::{FirstHeading, Scenario, Spawn};
+use road::LaneFilter;
+use road::geometry::wrap_angle;
 
 /// The scenario of a campaign in the outline of CARLA's Town01 with this spawn.
 fn scenario(spawn: &str) -> Arc<Scenario> {

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Training, compile};
-use world::env::{Ending, Outcome, Scenario};
-use world::falsifier::{HardStarts, PedestrianEnv, StartBank, TrainingRun};
+use episode::{Ending, Outcome, Scenario};
+use search::{HardStarts, PedestrianEnv, StartBank, TrainingRun};
 
 fn scenario(spawn: &str, driver: &str) -> Arc<Scenario> {
     training(spawn, driver, "").scenario.clone()

@@ -7,11 +7,12 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
+use episode::walker::{Intercept, Random, WalkPolicy};
+use episode::{Draw, Outcome, Scenario, Simulation, evaluate, play};
 use learn::Env;
 use needs::needs;
 use process::ProcessOpener;
-use world::env::{Draw, Outcome, Scenario, Simulation};
-use world::falsifier::{BudgetedSimulation, Intercept, PedestrianEnv, Random, WalkPolicy, evaluate, play};
+use search::{BudgetedSimulation, PedestrianEnv};
 
 /// Every kind of route and of memory.
 const DRIVERS: [&str; 12] = [

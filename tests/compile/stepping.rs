@@ -10,8 +10,8 @@ use base::seed::Seed;
 use base::signature::{Form, Param, Signature, Type};
 use base::units::Dimension;
 use compile::{Catalog, compile};
+use episode::{Draw, ObservationSpec, Outcome, Scenario};
 use proptest::prelude::*;
-use world::env::{Draw, ObservationSpec, Outcome, Scenario};
 
 use crate::samples::samples;
 

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
-use world::env::{Draw, Outcome, Scenario, Trace};
-use world::falsifier::{Scripted, evaluate_observed};
-use world::geometry::{OrientedBox, Point};
-use world::judge::{Reference, judge};
+use episode::walker::Scripted;
+use episode::{Draw, Outcome, Scenario, Trace, evaluate_observed};
+use road::geometry::{OrientedBox, Point};
+use verdict::{Reference, judge};
 use world::sim::WalkCommand;
 
 /// The campaign of a scenario whose imports are read from the folder of scenarios.

@@ -7,12 +7,12 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Compiled, Evaluation, compile};
+use episode::walker::Intercept;
+use episode::{Ending, Outcome, Trace, evaluate_observed};
 use needs::needs;
 use process::ProcessOpener;
+use road::Town;
 use world::av::{Exit, Fault};
-use world::env::{Ending, Outcome, Trace};
-use world::falsifier::{Intercept, evaluate_observed};
-use world::road::Town;
 
 use super::repository;
 

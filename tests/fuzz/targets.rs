@@ -9,15 +9,14 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use base::diagnostic::{Colour, Sources, render};
 use base::seed::Seed;
 use compile::{Catalog, Evaluation, compile};
+use episode::walker::Random;
+use episode::{Outcome, Scenario, evaluate};
 use learn::{ActorCritic, Trained};
-use results::record;
 use results::report::Gate;
-use results::store;
+use results::{record, store};
+use road::{Town, opendrive};
 use world::av::external::{Link, Opener, Program};
 use world::av::{Exit, Fault, onnx};
-use world::env::{Outcome, Scenario};
-use world::falsifier::{Random, evaluate};
-use world::road::{Town, opendrive};
 
 /// A scenario: the whole front end, its messages and the layout.
 pub fn front_end(bytes: &[u8]) {

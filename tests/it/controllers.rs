@@ -7,12 +7,13 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, Compiled, ControllerKind, compile};
+use episode::walker::{ActionMode, Homing, TrainedWalker, WalkPolicy};
+use episode::{Ending, Outcome, Scenario, evaluate};
 use learn::ActorCritic;
 use needs::needs;
 use process::ProcessOpener;
+use search::{BudgetedSimulation, TrainError};
 use world::av::{Exit, Fault, Word};
-use world::env::{Ending, Outcome, Scenario};
-use world::falsifier::{ActionMode, BudgetedSimulation, Homing, TrainError, TrainedWalker, WalkPolicy, evaluate};
 
 use crate::beside_files::With;
 use crate::program::{error, falsify, said};

@@ -66,8 +66,9 @@ fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
 fn a_long_chaotic_run_has_the_digest_it_always_had() {
     use base::seed::Seed;
     use compile::{Catalog, compile};
+    use episode::evaluate;
+    use episode::walker::Random;
     use std::ops::ControlFlow;
-    use world::falsifier::{Random, evaluate};
 
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/twice.scn");
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };

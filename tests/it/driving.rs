@@ -6,11 +6,11 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Plan, Training, compile};
+use episode::{Draw, Phase, Scenario, Simulation};
 use learn::{ActorCritic, Env, Trained};
+use search::TrainingRun;
+use search::driving::{ACTION_BOUNDS, ACTION_SCALES, DriveEnv, inputs};
 use world::av::onnx::{Model, Onnx};
-use world::driving::{ACTION_BOUNDS, ACTION_SCALES, DriveEnv, inputs};
-use world::env::{Draw, Phase, Scenario, Simulation};
-use world::falsifier::TrainingRun;
 
 use crate::program::{error, falsify};
 

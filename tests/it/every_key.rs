@@ -18,6 +18,7 @@ use base::seed::Seed;
 use base::signature::{Form, Param, Signature, Type};
 use base::units::Dimension;
 use compile::{Campaign, Catalog, Cover, Estimation, Evaluation, Harden, Job, Plan, Planned, compile};
+use episode::{Ending, Outcome, Trace, WORLD_PROTOCOL};
 use falsify::session::{Input, RunOptions, Session};
 use lang::Reader;
 use learn::ActorCritic;
@@ -26,10 +27,9 @@ use results::jobs::{SearchResult, TrainingResult, watch};
 use results::record::{EpisodeRow, RunKey};
 use serde::Deserialize;
 use serde_json::json;
+use verdict::{Judged, Verdict};
 use world::av::external::{Link, Opener, Program};
 use world::av::{Exit, Fault};
-use world::env::{Ending, Outcome, Trace, WORLD_PROTOCOL};
-use world::judge::{Judged, Verdict};
 
 /// What the scenarios are made of: `tests/suite/keys.toml`.
 #[derive(Debug, Deserialize)]

@@ -2,12 +2,12 @@
 
 use falsify::session::{Input, Session};
 use proptest::prelude::*;
+use road::design::{BuildingRow, Carriageway, Node, Street, TownDesign};
+use road::geometry::{OrientedBox, Point, Pose};
+use road::{Road, SpeedSign, Town, TownParts, TrafficLight, opendrive};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use world::geometry::{OrientedBox, Point, Pose};
-use world::road::design::{BuildingRow, Carriageway, Node, Street, TownDesign};
-use world::road::{Road, SpeedSign, Town, TownParts, TrafficLight, opendrive};
 
 use crate::program::{error, falsify, said};
 use crate::shipped::shipped;

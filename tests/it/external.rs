@@ -9,11 +9,12 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use base::signature::Keys;
 use compile::{Catalog, Plan, compile};
+use episode::walker::{Intercept, Random};
+use episode::{Ending, Outcome, Scenario, evaluate};
 use needs::needs;
 use process::ProcessOpener;
+use search::{TrainError, TrainingRun};
 use world::av::{BrakeKeys, DrivingMode, Exit, Fault, Word};
-use world::env::{Ending, Outcome, Scenario};
-use world::falsifier::{Intercept, Random, TrainError, TrainingRun, evaluate};
 
 use crate::program::falsify;
 

@@ -10,7 +10,7 @@ use base::seed::Seed;
 use compile::{Catalog, Plan, Training, compile};
 use lang::Reader;
 use learn::ActorCritic;
-use world::falsifier::TrainingRun;
+use search::TrainingRun;
 
 use crate::program::{error, falsify, said};
 

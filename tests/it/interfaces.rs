@@ -5,7 +5,7 @@ use std::path::Path;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::{Draw, Observer, Trace, carry_out};
+use episode::{Draw, Observer, Trace, carry_out};
 
 use crate::program::{error, falsify, said};
 

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::Outcome;
-use world::falsifier::{Random, evaluate};
+use episode::walker::Random;
+use episode::{Outcome, evaluate};
 
 use crate::beside_files::With;
 use crate::program::command;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use needs::needs;
 use proptest::prelude::*;
-use world::judge::Recording;
+use verdict::Recording;
 
 use crate::program::{error, falsify};
 use crate::reference;

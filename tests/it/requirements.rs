@@ -7,6 +7,8 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
+use episode::requirement::Trace;
+use episode::{Draw, Outcome, Trace as EpisodeTrace};
 use falsify::session::{FailuresArgs, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
 use results::campaign::{self, NoStore, Silent};
 use results::jobs::{Repeatable, watch};
@@ -15,9 +17,7 @@ use results::report::{
     comparison_reference, driver_results, narrative, requirements_in,
 };
 use results::tables::metrics::COLLISION_RATE;
-use world::env::{Draw, Outcome, Trace as EpisodeTrace};
-use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
-use world::requirement::Trace;
+use verdict::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
 use world::sim::WalkCommand;
 
 /// The plan of a campaign in the harbour with these requirements.
@@ -128,7 +128,7 @@ fn signals_agree_with_what_is_known_of_an_episode() {
                 close(100.0 - of("walked").robustness, changes.fold(0.0, f64::max));
                 let sample = of("closer").sample as usize;
                 let apart =
-                    |frame: &world::env::Frame| (frame.pedestrian.pose.position() - frame.ego.pose.position()).norm();
+                    |frame: &episode::Frame| (frame.pedestrian.pose.position() - frame.ego.pose.position()).norm();
                 if sample > 0 && sample + 1 < frames.len() {
                     let rate = (apart(&frames[sample]) - apart(&frames[sample + 1])) / 0.05;
                     assert!((200.0 - of("closer").robustness - rate).abs() < 0.6, "{rate} {:?}", of("closer"));
@@ -155,9 +155,9 @@ fn signals_agree_with_what_is_known_of_an_episode() {
 fn requirements_change_no_episode() {
     let with = plan("", "no_collision, safe_passing, comfort, yields_at_crosswalk, stops_at_red", "idm");
     let mut without = with.campaigns[0].nth::<compile::Evaluation>(0).clone();
-    without.scenario = std::sync::Arc::new(world::env::Scenario {
+    without.scenario = std::sync::Arc::new(episode::Scenario {
         requirements: [].into(),
-        ..world::env::Scenario::clone(&without.scenario)
+        ..episode::Scenario::clone(&without.scenario)
     });
     let digests = |evaluation: &compile::Evaluation| {
         let mut note = |outcome: &Outcome, _: &EpisodeTrace| (outcome.digest, outcome.reward.to_bits());

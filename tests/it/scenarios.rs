@@ -111,7 +111,7 @@ campaign looks {
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let campaigns = compiled.plan.unwrap().campaigns;
     let moving = |campaign: usize| {
-        let note = &mut |outcome: &world::env::Outcome, _: &world::env::Trace| {
+        let note = &mut |outcome: &episode::Outcome, _: &episode::Trace| {
             outcome.impact_speed().is_some_and(|speed| speed > 0.1)
         };
         let go_on = &mut |_| std::ops::ControlFlow::Continue(());

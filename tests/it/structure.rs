@@ -12,6 +12,7 @@ use crate::house::{rust_files, top};
 const UPWARD: &[(&str, usize)] = &[
     ("base", 1),
     ("compile", 74),
+    ("episode", 4),
     ("export", 9),
     ("lang", 40),
     ("learn", 46),
@@ -19,11 +20,14 @@ const UPWARD: &[(&str, usize)] = &[
     ("process", 5),
     ("program", 86),
     ("results", 31),
-    ("world", 8),
+    ("road", 2),
+    ("search", 0),
+    ("verdict", 0),
+    ("world", 0),
 ];
 
 /// The files that import each other in circles. The number of circles is no measure: a large one that falls in two is a step. The goal is 0.
-const IN_CIRCLES: usize = 224;
+const IN_CIRCLES: usize = 200;
 
 /// The functions of more than [`LONG`] lines from name to last brace, comments left out. The goal is 0.
 const LONG_FUNCTIONS: usize = 51;

@@ -6,7 +6,7 @@ use std::path::Path;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
-use world::falsifier::TrainingRun;
+use search::TrainingRun;
 
 use crate::program::{error, falsify, report};
 

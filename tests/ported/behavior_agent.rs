@@ -2,12 +2,12 @@
 
 use base::seed::Seed;
 use ported::behavior_agent::{AgentConfig, BehaviorAgent, Decision, Profile, Release};
-use world::av::{Actor, DrivingMode, DrivingPolicy, Light, Perception};
-use world::geometry::{Obstacles, Pose, Vector};
-use world::road::{
+use road::geometry::{Obstacles, Pose, Vector};
+use road::{
     Geometry, Junction, JunctionIndex, Lane, LaneId, LaneKind, LaneSection, PlanView, Profile as Width, Road, Town,
     TownParts,
 };
+use world::av::{Actor, DrivingMode, DrivingPolicy, Light, Perception};
 use world::sim::{ActorId, Control, LightColour, VehicleBlueprint};
 
 /// A road of 200 m along +x as in CARLA's towns: lanes of 4 m, a shoulder of 0.3 m and a sidewalk of 4 m on each side.

@@ -9,10 +9,10 @@ use crate::reference;
 use base::seed::Seed;
 use needs::needs;
 use ported::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Release};
+use road::geometry::{Obstacles, Pose, Vector};
+use road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
 use serde_json::Value;
 use world::av::{Actor, DrivingPolicy, Light, Perception};
-use world::geometry::{Obstacles, Pose, Vector};
-use world::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
 use world::sim::{ActorId, LightColour, VehicleBlueprint};
 
 /// Half sizes of the recorded cars and walkers (m).

@@ -4,7 +4,7 @@ use ported::interfuser::{
     Cell, Controller, Decision, EgoVector, Forecast, Inputs, ObjectMap, Reason, Settings, Sighting, Tracker, WAYPOINTS,
     find_detections,
 };
-use world::geometry::Point;
+use road::geometry::Point;
 
 const ADULT: [f64; 2] = [0.187_68, 0.187_68];
 const CAR: [f64; 2] = [2.45, 1.06];

@@ -9,8 +9,8 @@ use ported::interfuser::{
     Cell, Controller, EgoVector, Forecast, HORIZONS, Inputs, ObjectClass, ObjectMap, Settings, Sighting, Tracker,
     find_detections,
 };
+use road::geometry::Point;
 use serde_json::Value;
-use world::geometry::Point;
 
 /// The files state this value too.
 const TOLERANCE: f64 = 1e-6;

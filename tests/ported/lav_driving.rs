@@ -2,10 +2,10 @@
 
 use base::seed::Seed;
 use ported::lav::{Command, Lav, Version};
+use road::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
+use road::{LaneFilter, Town};
 use std::sync::Arc;
 use world::av::{Actor, DrivingMode, DrivingPolicy, Light, Perception, PerfectSensors};
-use world::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
-use world::road::{LaneFilter, Town};
 use world::sim::{
     ActorId, ActorStart, Control, LightColour, PedestrianBody, Start, VehicleBlueprint, WalkCommand, World,
 };

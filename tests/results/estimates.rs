@@ -6,10 +6,10 @@ use std::slice::from_ref;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
+use episode::Criterion;
 use results::campaign::{self, NoStore, Silent};
-use world::env::Criterion;
-use world::judge::Blame;
-use world::likelihood::{Encounters, Estimate};
+use search::likelihood::{Encounters, Estimate};
+use verdict::Blame;
 
 /// A campaign with this block.
 fn campaign(block: &str) -> Campaign {

@@ -6,7 +6,7 @@ use base::seed::Seed;
 use compile::{Campaign, Catalog, Harden, compile};
 use results::campaign::{NoStore, Silent, run};
 use results::jobs::Measured;
-use world::hardening::Hardened;
+use search::hardening::Hardened;
 
 fn compiled(block: &str) -> Result<Campaign, String> {
     let text = format!(

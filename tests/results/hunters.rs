@@ -6,7 +6,7 @@ use std::path::Path;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, Evaluation, compile};
 use results::jobs::watch;
-use world::judge::judge;
+use verdict::judge;
 
 fn campaign(adversary: &str, pedestrians: &str) -> Campaign {
     let text = format!(

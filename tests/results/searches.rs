@@ -7,7 +7,7 @@ use compile::{Campaign, Catalog, compile};
 use results::campaign::{self, Silent};
 use results::jobs::SearchResult;
 use results::report;
-use world::judge::Blame;
+use verdict::Blame;
 
 const PIECES: &str = r#"
 edition 1

@@ -1,7 +1,7 @@
 //! How a pedestrian follows its commands, and what stops it.
 
 use proptest::prelude::*;
-use world::geometry::{Obstacles, OrientedBox, Pose, Vector, wrap_angle};
+use road::geometry::{Obstacles, OrientedBox, Pose, Vector, wrap_angle};
 use world::sim::{Gait, PedestrianBody, PedestrianState, WalkCommand};
 
 fn walk(state: PedestrianState, command: WalkCommand, body: PedestrianBody, ticks: u32) -> PedestrianState {

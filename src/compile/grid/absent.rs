@@ -7,11 +7,11 @@ use crate::jobs::{Cover, Estimation, Search};
 use crate::lowering::Lowering;
 use crate::reached::reached_by;
 use base::signature::{Comparison, Formula, Value, VariableId};
+use episode::requirement::NamedRequirement;
+use episode::{MapPart, RewardRule};
 use lang::diagnostics;
 use lang::hir::Block;
-use world::env::{MapPart, RewardRule};
-use world::requirement::NamedRequirement;
-use world::road::FIRST_LIMIT;
+use road::FIRST_LIMIT;
 
 /// What follows where a town has nothing of what is asked.
 const NOTHING: &str = "its result there says nothing";

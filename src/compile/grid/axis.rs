@@ -6,11 +6,11 @@ use crate::lowering::{BuiltTown, Lowering, MadeDriver};
 use crate::role::Roles;
 use crate::{adversary, reward, training, vehicle};
 use base::signature::DeclarationId;
+use episode::requirement::NamedRequirement;
+use episode::{EpisodeRule, PedestrianRole, RewardRule, SpawnRule};
 use lang::diagnostics;
 use lang::hir::Block;
 use learn::PpoConfig;
-use world::env::{EpisodeRule, PedestrianRole, RewardRule, SpawnRule};
-use world::requirement::NamedRequirement;
 use world::sim::VehicleBlueprint;
 
 /// The greatest number of decisions between two updates, over all environments.

@@ -12,14 +12,14 @@ use crate::role::Roles;
 use base::diagnostic::Span;
 use base::seed::Seed;
 use base::signature::{DeclarationId, short};
-use lang::diagnostics;
-use lang::hir::Block;
-use world::env::{
+use episode::requirement::NamedRequirement;
+use episode::{
     CastSurvey, Controller, Criterion, EpisodeRule, FirstHeading, PedestrianRole, Placement, RewardRule, Scenario,
     SpawnRule, TargetBox, TestOracle, VehicleRole,
 };
-use world::judge::ReferenceOracle;
-use world::requirement::NamedRequirement;
+use lang::diagnostics;
+use lang::hir::Block;
+use verdict::ReferenceOracle;
 use world::sim::VehicleBlueprint;
 
 /// The acceleration of free fall (m/s²).

@@ -16,11 +16,11 @@ use super::{RunId, policy, published};
 use axis::Required;
 pub(crate) use axis::{Axis, Usual};
 use base::signature::{DeclarationId, Value};
+use episode::walker::Controller;
+use episode::{PedestrianRole, RewardRule};
 pub(crate) use ground::{Ground, Place, note_towns};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
-use world::env::{PedestrianRole, RewardRule};
-use world::falsifier::Controller;
 
 /// A campaign that is laid out.
 pub(crate) struct Grid {

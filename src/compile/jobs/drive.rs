@@ -8,9 +8,9 @@ use crate::lowering::Lowering;
 use crate::{Job, Training, TrainingKey};
 use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
+use episode::RewardRule;
 use lang::diagnostics;
-use world::driving::{DriveReward, DriveRule};
-use world::env::RewardRule;
+use search::driving::{DriveReward, DriveRule};
 
 /// Takes the place of a reward's name in a training of a driver.
 const DRIVE: &str = "drive";

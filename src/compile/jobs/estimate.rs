@@ -8,9 +8,9 @@ use crate::lowering::Lowering;
 use base::keys;
 use base::seed::Seed;
 use base::signature::{DeclarationId, Keys, Value};
-use world::env::{Criterion, RewardRule, Scenario};
-use world::falsifier::Controller;
-use world::judge::Blame;
+use episode::walker::Controller;
+use episode::{Criterion, RewardRule, Scenario};
+use verdict::Blame;
 
 keys! {
     /// Estimates how likely failures are in an encounter with a pedestrian that walks as people do.

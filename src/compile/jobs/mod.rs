@@ -25,8 +25,8 @@ use super::grid::{Grid, Nested};
 use super::lowering::Lowering;
 use super::{Campaign, ExternalProgram, Fingerprint, Programs, RunId};
 use base::signature::{DeclarationId, Signature};
+use episode::Scenario;
 use lang::hir::Block;
-use world::env::Scenario;
 
 /// A kind of block that adds jobs to a campaign.
 pub(crate) struct JobBlock {

@@ -7,8 +7,8 @@ use base::signature::{Keys, short};
 use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
-use world::geometry::Point;
-use world::road::design::{BuildingRow, Carriageway, DesignError, FastBend, Node, Street, StreetProfile, TownDesign};
+use road::design::{BuildingRow, Carriageway, DesignError, FastBend, Node, Street, StreetProfile, TownDesign};
+use road::geometry::Point;
 
 /// Lateral accelerations that a bend, and a turn in a junction, may ask for at the speed limit before a check warns (m/s²): what passengers still
 /// accept, and what asks too much of a driver that slows down a little for a turn.

@@ -5,7 +5,7 @@ use base::diagnostic::Diagnostic;
 use base::keys;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics};
-use world::road::{AssumedLimit, TownParts, opendrive};
+use road::{AssumedLimit, TownParts, opendrive};
 
 keys! {
     /// A town from an OpenDRIVE map, with its speed limits and its signs. Such maps hold no buildings; they can be added here.

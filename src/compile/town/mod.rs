@@ -13,8 +13,8 @@ use lang::hir::{Block, Declaration};
 use lang::{Reader, diagnostics};
 use map::OpenDriveKeys;
 use objects::{BusStopKeys, CrosswalkKeys, SpeedSignKeys};
-use world::geometry::{OrientedBox, Point, Pose, Vector};
-use world::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
+use road::geometry::{OrientedBox, Point, Pose, Vector};
+use road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
 
 /// Half size of the box in which a speed sign takes effect (m): 0.35 of CARLA's lanes.
 const SIGN_HALF_SIZE: f64 = 1.4;

@@ -5,7 +5,7 @@ use base::keys;
 use base::signature::{Keys, Signature};
 use lang::diagnostics;
 use lang::hir::Block;
-use world::geometry::{OrientedBox, Point, Pose, Vector};
+use road::geometry::{OrientedBox, Point, Pose, Vector};
 
 /// Maximum number of trees of a grove.
 const MAX_TREES: f64 = 20_000.0;

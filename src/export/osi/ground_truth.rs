@@ -4,7 +4,7 @@ use super::messages::{
 };
 use crate::Episode;
 use crate::episode::{Actor, CAR_HEIGHT, OBSTACLE_HEIGHT, Shape};
-use world::geometry::OrientedBox;
+use road::geometry::OrientedBox;
 use world::sim::ActorId;
 
 /// The version of OSI.

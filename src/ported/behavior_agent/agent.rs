@@ -8,8 +8,8 @@ use super::red_light::RedLights;
 use super::release::{Release, ReleaseTraits};
 use super::way_finding::WayFinding;
 use base::seed::Stream;
+use road::{RoadOption, RoutePoint};
 use world::av::{DrivingMode, DrivingPolicy, Perception};
-use world::road::{RoadOption, RoutePoint};
 use world::sim::Control;
 
 /// Before a turn the agent stays this far below the limit (km/h).

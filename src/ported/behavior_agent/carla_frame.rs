@@ -1,4 +1,4 @@
-use world::geometry::{Point, Pose};
+use road::geometry::{Point, Pose};
 
 /// A location in the form of CARLA's client: left-handed, 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

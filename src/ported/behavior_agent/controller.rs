@@ -2,7 +2,7 @@ use std::collections::VecDeque;
 
 use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
-use world::geometry::Pose;
+use road::geometry::Pose;
 
 /// Time step of the controllers (s); it does not depend on the simulation's.
 const DT: f64 = 0.05;

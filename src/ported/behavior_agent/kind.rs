@@ -1,6 +1,6 @@
 use super::{AgentConfig, AtDestination, BehaviorAgent, Profile, Release, WayFinding};
 use base::{choice, keys};
-use world::road::ForkRule;
+use road::ForkRule;
 
 choice! {
     /// Which way the agent takes.

@@ -2,9 +2,9 @@ use super::carla_frame::{Cone, Direction, Location, exact_heading};
 use super::planner::Planner;
 use super::polygon::{Corner, rings_touch};
 use super::release::{Measure, PolygonRule, ReleaseTraits};
+use road::geometry::{Point, Pose, Vector};
+use road::{LaneFilter, Town, Waypoint};
 use world::av::{Actor, Perception};
-use world::geometry::{Point, Pose, Vector};
-use world::road::{LaneFilter, Town, Waypoint};
 
 /// Walkers count within this distance of the lane under the ego (m).
 const WALKERS_WITHIN: f64 = 10.0;

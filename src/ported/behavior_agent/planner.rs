@@ -7,8 +7,8 @@ use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
 use super::way_finding::{AtDestination, WayFinding};
 use base::seed::{Seed, Stream};
-use world::geometry::Point;
-use world::road::{ForkRule, RandomWalk, RoadOption, RoutePlanner, RoutePoint, Town, Waypoint};
+use road::geometry::Point;
+use road::{ForkRule, RandomWalk, RoadOption, RoutePlanner, RoutePoint, Town, Waypoint};
 
 /// A walk without destination is refilled by this number of points when fewer are left.
 const REFILL: usize = 100;
@@ -245,8 +245,8 @@ mod tests {
     use super::super::Release;
     use super::*;
     use base::seed::Seed;
-    use world::geometry::Pose;
-    use world::road::{RoadIndex, TownParts};
+    use road::geometry::Pose;
+    use road::{RoadIndex, TownParts};
 
     fn nowhere() -> Town {
         Town::new(TownParts::default())
@@ -308,7 +308,7 @@ mod tests {
 
     /// A block with one street around it.
     fn block() -> Town {
-        use world::road::design::{Carriageway, Node, Street, TownDesign};
+        use road::design::{Carriageway, Node, Street, TownDesign};
         let node = |(x, y)| Node { name: String::new(), position: Point::new(x, y), lights: false };
         let street =
             |nodes| Street { name: String::new(), nodes, speed_limit: None, carriageway: Carriageway::default() };

@@ -1,8 +1,8 @@
 use super::carla_frame::{Cone, Direction, Location};
 use super::obstacle::{EgoBody, Here};
 use super::release::{RedLightRule, ReleaseTraits};
+use road::RoadIndex;
 use world::av::{Light, Perception};
-use world::road::RoadIndex;
 use world::sim::LightColour;
 
 /// A light counts within this distance of the ego's centre (m).

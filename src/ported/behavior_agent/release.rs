@@ -1,6 +1,6 @@
 use super::controller::{CITY_GAINS_0_9_11, GAINS, Gains, HIGHWAY_GAINS_0_9_11};
 use base::choice;
-use world::road::LaneFilter;
+use road::LaneFilter;
 
 choice! {
     /// The release of CARLA that the agent reproduces. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.

@@ -1,5 +1,5 @@
 use base::choice;
-use world::road::ForkRule;
+use road::ForkRule;
 
 /// How the agent finds its way without a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,8 +9,8 @@ use super::object_map::{Cell, ObjectMap, Sighting};
 use super::settings::Settings;
 use super::tracker::Tracker;
 use base::seed::Stream;
+use road::geometry::{Point, wrap_angle};
 use world::av::{DrivingMode, DrivingPolicy, Path, Perception};
-use world::geometry::{Point, wrap_angle};
 use world::sim::{Control, LightColour};
 
 /// The first waypoint is the last point of the route within this distance (m).

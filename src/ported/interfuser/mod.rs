@@ -34,4 +34,4 @@ pub use settings::Settings;
 pub use tracker::Tracker;
 
 /// A place or a displacement in the ego's frame: metres to the right and to the back.
-pub type EgoVector = world::geometry::Vector;
+pub type EgoVector = road::geometry::Vector;

@@ -2,8 +2,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::EgoVector;
 use super::image::{Image, Rectangle};
+use road::geometry::Pose;
 use world::av::Actor;
-use world::geometry::Pose;
 
 /// Rows and columns of the map.
 pub(super) const CELLS: usize = 20;

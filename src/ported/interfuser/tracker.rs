@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::object_map::{Cell, centre};
-use world::geometry::{Point, Vector};
+use road::geometry::{Point, Vector};
 
 /// Updates a second.
 const FREQUENCY: f64 = 10.0;

@@ -1,6 +1,6 @@
 use super::frame::EgoPoint;
+use road::geometry::Pose;
 use world::av::Actor;
-use world::geometry::Pose;
 
 /// Walkers farther away are not on the map of hazards (m).
 const MAP_REACH: f64 = 15.0;

@@ -1,6 +1,6 @@
+use road::RoadOption;
+use road::geometry::Point;
 use world::av::Path;
-use world::geometry::Point;
-use world::road::RoadOption;
 
 /// The command of the route, in the order of LAV's branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,4 +1,4 @@
-use world::geometry::{Point, Pose, wrap_angle};
+use road::geometry::{Point, Pose, wrap_angle};
 
 /// Pixels per metre of LAV's bird's-eye map.
 pub(super) const PIXELS_PER_METRE: f64 = 4.0;

@@ -1,8 +1,8 @@
 use super::brake_rules::{BrakeRules, WalkerView, bearing};
 use super::frame::EgoPoint;
+use road::geometry::wrap_angle;
+use road::{LaneFilter, LaneKind, Waypoint};
 use world::av::{Actor, DrivingMode, Path, Perception};
-use world::geometry::wrap_angle;
-use world::road::{LaneFilter, LaneKind, Waypoint};
 use world::sim::LightColour;
 
 /// The cameras (m ahead of the middle), and half of the sector they cover (rad).

@@ -1,7 +1,7 @@
 use super::forecast::STEP;
 use super::frame::EgoPoint;
+use road::geometry::Pose;
 use world::av::Path;
-use world::geometry::Pose;
 
 /// The expert's maximum speed (m/s), and by how much it stays below the limit along lanes and in turns.
 const MAX_SPEED: f64 = 40.0 / 3.6;

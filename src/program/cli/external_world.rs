@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use super::input::map_writer;
 use compile::{BRIDGES, bridge_command};
+use episode::ExternalWorld;
 use world::av::external::{Opener, Program, ProgramKeys};
-use world::env::ExternalWorld;
 
 /// The world of a bridge: a name of the Python package with options, or a command. It has these times for a tick, and for a greeting or a town (s).
 ///

@@ -10,8 +10,8 @@ use super::progress::{Counting, Showing, heartbeat};
 use super::{console, failure, interrupt, network_trial};
 use crate::session::{Event, Input, Observer, Session, Stage};
 use compile::Catalog;
+use episode::MapWriter;
 use process::ProcessOpener;
-use world::env::MapWriter;
 
 /// Options that replace parts of the files.
 #[derive(Debug, Args)]

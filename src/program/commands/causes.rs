@@ -7,7 +7,7 @@ use crate::cli::console;
 use crate::cli::input::session;
 use crate::session::{EpisodeName, Error};
 use results::report::StoredReport;
-use world::cause::explain_any;
+use verdict::cause::explain_any;
 
 /// Maximum number of failures whose cause a gate says.
 pub const MAX_TOLD: usize = 3;

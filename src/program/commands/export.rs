@@ -10,11 +10,11 @@ use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodePath, Error, Repeated, Session, Source};
+use episode::{Scenario, Trace};
 use export::{EXPORTERS, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
 use results::report;
-use world::cause::{MAX_RUNS, Questions, RunLimit};
-use world::env::{Scenario, Trace};
-use world::judge::Verdict;
+use verdict::Verdict;
+use verdict::cause::{MAX_RUNS, Questions, RunLimit};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\

@@ -12,9 +12,9 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Causes, EpisodeName, Error, Notice, Session};
 use results::failure::Failure;
 use results::report::{self, ListedFailure, StoredReport};
+use verdict::Label;
+use verdict::cause::{MAX_RUNS, Shrunk, around};
 use world::av::Weakness;
-use world::cause::{MAX_RUNS, Shrunk, around};
-use world::judge::Label;
 
 /// Number of failures that a table shows by default.
 const SHOWN: usize = 20;

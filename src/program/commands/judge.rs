@@ -7,10 +7,10 @@ use crate::cli::console;
 use crate::cli::failure::failed;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Error, Input, Session};
+use episode::Scenario;
 use lang::reason;
 use results::report;
-use world::env::Scenario;
-use world::judge::{Encountered, Recording, RecordingFileError, Reference, Sizes, Verdict};
+use verdict::{Encountered, Recording, RecordingFileError, Reference, Sizes, Verdict};
 use world::sim::VehicleBlueprint;
 
 /// Shown after the help.

@@ -15,7 +15,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Checked, Error, Session};
 use base::diagnostic::{Colour, render};
 use results::report::{self, MapPage, StartLayer, TownView};
-use world::road::{AssumedLimit, GiveWay, LaneKind, Town, opendrive};
+use road::{AssumedLimit, GiveWay, LaneKind, Town, opendrive};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\

@@ -23,7 +23,7 @@ use driver_pairs::DriverPair;
 use results::report::{
     self, CrossedStarts, Encounter, Encounters, FailureChange, Gate, Judged, Recheck, RecheckNote, RecheckedFailures,
 };
-use world::cause::explain_any;
+use verdict::cause::explain_any;
 
 /// Maximum number of encounters in each list for people.
 const MAX_SHOWN: usize = 10;

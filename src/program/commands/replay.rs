@@ -16,8 +16,8 @@ use crate::session::{
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::no_verdict;
 use results::report::{self, Narrative, StoredReport};
-use world::cause::{Cause, MAX_RUNS, Need, Questions, RunLimit, TurnedBy, needed, part_of, unit_of};
-use world::judge::JudgedDegree;
+use verdict::JudgedDegree;
+use verdict::cause::{Cause, MAX_RUNS, Need, Questions, RunLimit, TurnedBy, needed, part_of, unit_of};
 use world::sim::time_of;
 
 /// Shown after the help.
@@ -155,7 +155,7 @@ fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) ->
         true => Causes::new(session, 1, options.max_runs).of(episode),
         false => episode.cause(Questions::OfCopied, RunLimit::default()),
     };
-    let needs = episode.incident.as_ref().map_or_else(Vec::new, world::cause::needs);
+    let needs = episode.incident.as_ref().map_or_else(Vec::new, verdict::cause::needs);
     if options.json {
         console::say(&as_json(&replay, &narrative, cause.as_ref(), &needs).to_string());
     } else {

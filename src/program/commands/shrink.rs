@@ -12,7 +12,7 @@ use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, Source};
 use results::parallel;
-use world::cause::{Limit, MAX_RUNS, Plan, Shrunk};
+use verdict::cause::{Limit, MAX_RUNS, Plan, Shrunk};
 
 /// Number of failures of a report that are shrunk by default.
 const SHOWN: usize = 20;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::Campaign;
-use world::env::{Scenario, Spawn, Survey};
+use episode::{Scenario, Spawn, Survey};
 
 /// Starts that were drawn from one spawn rule in one town.
 #[derive(Debug, Clone)]

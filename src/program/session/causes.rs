@@ -1,7 +1,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::{Event, Repeated, Session, Stage};
-use world::cause::{Cause, Questions, RunLimit};
+use verdict::cause::{Cause, Questions, RunLimit};
 
 /// Finds the causes of some failures, and reports each episode that this takes to the observer of a session.
 pub(crate) struct Causes<'a> {

@@ -4,13 +4,13 @@ use std::sync::Arc;
 use super::stored::Source;
 use super::{EpisodeName, Error};
 use compile::{Evaluation, Search};
+use episode::{FailureCell, Scenario, Trace};
 use results::jobs::{Repeatable, SearchFailure};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
-use world::cause::{Cause, Incident, Questions, RunLimit, Shrunk, explain, shrink};
-use world::env::{FailureCell, Scenario, Trace};
-use world::falsifier::Failure;
-use world::judge::Judged;
+use search::Failure;
+use verdict::Judged;
+use verdict::cause::{Cause, Incident, Questions, RunLimit, Shrunk, explain, shrink};
 
 /// An episode that was repeated.
 #[derive(Debug, Clone)]

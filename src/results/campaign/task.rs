@@ -1,5 +1,5 @@
 use compile::{Campaign, Job};
-use world::falsifier::TrainError;
+use search::TrainError;
 
 /// A task of a campaign: a part of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

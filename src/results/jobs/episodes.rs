@@ -2,9 +2,10 @@ use std::ops::{ControlFlow, Range};
 
 use base::seed::Seed;
 use compile::{ControllerKind, Evaluation, Training, episodes_seed};
+use episode::walker::{ActionMode, TrainedWalker, WalkPolicy};
+use episode::{Outcome, Trace, evaluate_observed};
 use learn::ActorCritic;
-use world::env::{Outcome, Trace};
-use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_observed, first_networks};
+use search::first_networks;
 
 /// Runs the episodes of an evaluation with these numbers, and returns what `note` makes of each.
 ///

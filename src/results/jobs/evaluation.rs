@@ -6,9 +6,9 @@ use super::{JobResult, Kind, TrainingResult, Work, result};
 use crate::campaign::{Part, State, Stored, TaskError};
 use crate::record::{self, EpisodeRow, RunKey};
 use compile::{Evaluation, Planned};
+use episode::{Outcome, Trace};
 use learn::ActorCritic;
-use world::env::{Outcome, Trace};
-use world::judge::Judged;
+use verdict::Judged;
 
 pub(super) const KIND: Kind = Kind {
     doing: ["trying", "tried"],

@@ -4,11 +4,10 @@ use std::sync::Arc;
 use super::watch;
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
+use episode::{Criterion, Outcome, Scenario, Trace, follow, recorded_commands};
 use learn::ActorCritic;
-use world::cause::Incident;
-use world::env::{Criterion, Outcome, Scenario, Trace};
-use world::falsifier::{follow, recorded_commands};
-use world::judge::Judged;
+use verdict::Judged;
+use verdict::cause::Incident;
 use world::sim::WalkCommand;
 
 /// What repeats an episode of a campaign: the only way to see it again.

@@ -7,10 +7,10 @@ use super::{JobResult, Kind, Repeatable, Work, json, result};
 use crate::campaign::{Part, TaskError};
 use crate::report::{Group, search_section, search_table, searches};
 use compile::{Origin, RunId, Search, SearchKey, episodes_seed};
-use world::env::{Criterion, Outcome, Scenario, Trace};
-use world::falsifier::{BudgetedSimulation, Failure, SearchOutcome, evaluate_observed};
-use world::judge::{Blame, Judged, NoVerdict, Verdict, ViolationVerdict};
-use world::requirement::{Degree, NamedRequirement};
+use episode::requirement::{Degree, NamedRequirement};
+use episode::{Criterion, Outcome, Scenario, Trace, evaluate_observed};
+use search::{BudgetedSimulation, Failure, SearchOutcome};
+use verdict::{Blame, Judged, NoVerdict, Verdict, ViolationVerdict};
 
 pub(super) const KIND: Kind = Kind {
     doing: ["searching", "searched"],

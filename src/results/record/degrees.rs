@@ -3,7 +3,7 @@
 use polars::prelude::{Column as Values, DataFrame, PolarsResult};
 
 use super::{Column, EpisodeRow};
-use world::judge::{JudgedDegree, ViolationVerdict};
+use verdict::{JudgedDegree, ViolationVerdict};
 
 /// The column of the degrees in stored episodes of a campaign with requirements; no file of a report has it.
 pub const DEGREES: Column<String> = Column::new(
@@ -82,7 +82,7 @@ pub(super) fn append(table: &mut DataFrame, mut rows: DataFrame) -> PolarsResult
 #[cfg(test)]
 mod tests {
     use super::*;
-    use world::requirement::Degree;
+    use episode::requirement::Degree;
 
     #[test]
     fn degrees_and_verdicts_return_bit_for_bit() {

@@ -8,8 +8,8 @@ use super::columns::{
     STATE_HASHES, TICKS, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, VERDICT, WALKED_INTO, WORLD,
 };
 use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference};
-use world::env::{Ending, Impact, LeftOut, Outcome};
-use world::judge::{LaneDeparture, NearMiss, Reference, Verdict};
+use episode::{Ending, Impact, LeftOut, Outcome};
+use verdict::{LaneDeparture, NearMiss, Reference, Verdict};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";

@@ -10,10 +10,10 @@ use super::columns::{
 };
 use super::episodes::named;
 use super::{CellKey, Family, RunKey};
+use episode::{Impact, LeftOut, Spawn};
+use road::geometry::Pose;
+use verdict::{Class, Label, Reference};
 use world::av::DrivingMode;
-use world::env::{Impact, LeftOut, Spawn};
-use world::geometry::Pose;
-use world::judge::{Class, Label, Reference};
 
 impl CellKey {
     /// The key in a row of a table. Block, vehicle and adversary are empty of the file of a report, whose manifest has them.

@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
 use super::RunKey;
-use world::env::Pair;
-use world::judge::{FalseAlarms, Judged, LaneDeparture, NearMiss};
+use episode::Pair;
+use verdict::{FalseAlarms, Judged, LaneDeparture, NearMiss};
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,10 +4,10 @@ use polars::prelude::{Column as Values, DataFrame, DataType, NamedFrom, Series};
 use polars_io::parquet::write::ParquetWriter;
 
 use super::*;
+use episode::{Ending, Outcome, Spawn};
+use road::geometry::Pose;
+use verdict::{ContactSide, FalseAlarms, Judged, Label, NearMiss, Reference, Sight, Trial, Verdict};
 use world::av::{DrivingMode, Fault};
-use world::env::{Ending, Outcome, Spawn};
-use world::geometry::Pose;
-use world::judge::{ContactSide, FalseAlarms, Judged, Label, NearMiss, Reference, Sight, Trial, Verdict};
 
 pub(crate) fn key() -> RunKey {
     let cell = CellKey {

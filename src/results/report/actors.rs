@@ -9,9 +9,9 @@ use crate::record::columns::{NUMBER, RUN_ID};
 use crate::record::{Column, Table};
 use base::seed::Seed;
 use compile::{Evaluation, RunId};
+use episode::Scenario;
 use polars::prelude::DataFrame;
-use world::cause::{Need, needs};
-use world::env::Scenario;
+use verdict::cause::{Need, needs};
 use world::sim::ActorId;
 
 /// The stem of the files of the table of actors.

@@ -12,7 +12,7 @@ use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_k
 use crate::tables::metrics::{IMPACT_SPEED, inferred};
 use crate::tables::{IS_FIXED_CASES, cell_columns, key_columns};
 use base::statistics::wilson;
-use world::judge::Reference;
+use verdict::Reference;
 
 /// The columns of a cell's test: the mean of its colours' shares of the points, the share of its cases that are passed, and the number of cases without a
 /// result at the test speed.

@@ -4,7 +4,7 @@ use super::replayed::played_failure;
 use crate::failure::Failure;
 use crate::parallel;
 use base::seed::Seed;
-use world::cause::{Cause, Incident, MAX_RUNS, Questions, RunLimit, Shrunk, explain, explain_any, shrink};
+use verdict::cause::{Cause, Incident, MAX_RUNS, Questions, RunLimit, Shrunk, explain, explain_any, shrink};
 
 /// Maximum number of failures of a page that are shrunk, the first of its list.
 pub const MAX_SHRUNK: usize = 24;

@@ -137,7 +137,7 @@ impl FailureChange {
 mod tests {
     use super::*;
     use crate::failure::tests::failure;
-    use world::judge::Label;
+    use verdict::Label;
 
     #[test]
     fn a_collision_of_both_sides_that_is_faster_or_a_fault_on_one_is_not_the_same() {

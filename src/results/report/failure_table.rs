@@ -14,10 +14,10 @@ use crate::record::columns::{
 };
 use crate::record::{Column, Entry, RunKey, Signed, Table};
 use compile::{NoRunId, RunId};
+use episode::Impact;
+use verdict::cause::{Around, Cause};
+use verdict::{Class, Label};
 use world::av::DrivingMode;
-use world::cause::{Around, Cause};
-use world::env::Impact;
-use world::judge::{Class, Label};
 use world::sim::WalkCommand;
 
 /// The stem of the files of the table of failures.

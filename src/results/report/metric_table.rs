@@ -11,7 +11,7 @@ use crate::tables::metrics::{EPISODE_REWARD, EPISODES, MEAN, RUNS};
 use crate::tables::{self, Cell, Metric};
 use base::statistics::wilson;
 use compile::SearchKey;
-use world::judge::Reference;
+use verdict::Reference;
 
 /// The stem of the files of the table of metrics.
 pub const METRICS: &str = "metrics";

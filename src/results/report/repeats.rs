@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use polars::prelude::{DataFrame, PolarsResult};
 
 use crate::record::EpisodeTable;
-use world::env::Spawn;
+use episode::Spawn;
 
 /// Maximum number of different starts of a run whose starts come again, as the cases of a test do. Drawn starts are more.
 const MAX_STARTS: usize = 10_000;

@@ -323,9 +323,9 @@ mod tests {
         COLLISION_RATE, COLLISIONS, EPISODE_REWARD, EPISODES, ERRORS, FAULT_RATE, FORESEEABLE_COLLISIONS, FRONT_RATE,
         IMPACT_SPEED, LABELLED, PREVENTABLE_RATE, PREVENTABLE_SHARE, TOUCH_RATE,
     };
+    use episode::Ending;
+    use verdict::{ContactSide, Label, Verdict};
     use world::av::Fault;
-    use world::env::Ending;
-    use world::judge::{ContactSide, Label, Verdict};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Touch {

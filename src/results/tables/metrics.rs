@@ -4,8 +4,8 @@ use polars::prelude::{DataType, Expr, col, lit};
 
 use crate::record::episodes::named;
 use crate::record::{Column, ColumnReference, Family, Role, columns};
-use world::env::LeftOut;
-use world::judge::Label;
+use episode::LeftOut;
+use verdict::Label;
 
 /// A number of the episodes of a run, and of the runs of a cell.
 ///

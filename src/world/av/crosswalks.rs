@@ -1,9 +1,9 @@
 //! Yielding to pedestrians at crosswalks, for the drivers that have the key.
 
 use super::{Actor, Path, Perception};
-use crate::geometry::{Point, Pose};
-use crate::road::crosswalk;
 use base::{choice, keys};
+use road::geometry::polygon;
+use road::geometry::{Point, Pose};
 
 choice! {
     /// What a driver does at crosswalks.
@@ -61,7 +61,7 @@ fn to_yield_at(perception: &Perception<'_>, path: &Path) -> Option<f64> {
         if corners.first().is_none_or(|corner| (corner - here).norm() > FAR) {
             continue;
         }
-        let near = |actor: &&Actor| crosswalk::distance(corners, actor.pose.position()) <= NEAR;
+        let near = |actor: &&Actor| polygon::distance(corners, actor.pose.position()) <= NEAR;
         let mut users =
             perception.pedestrians.iter().filter(near).filter(|actor| perception.in_sight(actor)).peekable();
         if users.peek().is_none() {
@@ -86,7 +86,7 @@ fn entry(path: &Path, ego: Point, corners: &[Point]) -> Option<(f64, Pose)> {
     let mut last = points.next()?;
     let mut along = -last.to_local(ego).x;
     for next in points {
-        if crosswalk::contains(corners, next.position()) {
+        if polygon::contains(corners, next.position()) {
             return Some((along, last));
         }
         along += (next.position() - last.position()).norm();

@@ -57,7 +57,7 @@ pub trait DrivingPolicy: Send {
         None
     }
 
-    /// The name of the driver of another simulator that it stands for: that drives in an [`ExternalWorld`](crate::env::ExternalWorld) instead of it.
+    /// The name of the driver of another simulator that it stands for: that drives there instead of it.
     fn world_driver(&self) -> Option<&str> {
         None
     }

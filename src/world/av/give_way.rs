@@ -2,7 +2,7 @@
 
 use super::lane_keeping::Demand;
 use super::{Path, Perception};
-use crate::road::{GiveWay, GiveWaySign};
+use road::{GiveWay, GiveWaySign};
 
 /// At most this speed at the line of a yield sign (m/s): 7 km/h, walking speed.
 ///
@@ -81,7 +81,7 @@ impl GiveWayMemory {
 fn along(perception: &Perception<'_>, path: &Path, sign: &GiveWaySign) -> Option<f64> {
     let forward = perception.town.roads.get(sign.line.road.0 as usize)?.is_forward(sign.line.lane);
     let mut along = 0.0;
-    let mut last: Option<&crate::geometry::Pose> = None;
+    let mut last: Option<&road::geometry::Pose> = None;
     for point in path.points() {
         along = match last {
             // The first point is the nearest to the ego, not the one abeam it.

@@ -3,10 +3,10 @@ use super::give_way::GiveWayMemory;
 use super::lane_keeping::Demand;
 use super::path::HORIZON;
 use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
-use crate::geometry::{Point, Pose, wrap_angle};
 use crate::sim::{Control, LightColour};
 use base::keys;
 use base::seed::Stream;
+use road::geometry::{Point, Pose, wrap_angle};
 
 keys! {
     /// The Intelligent Driver Model along its lane, with an emergency brake for actors in its way. It does not see through

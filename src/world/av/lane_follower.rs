@@ -2,10 +2,10 @@ use super::crosswalks::{self, CrosswalkKeys};
 use super::give_way::GiveWayMemory;
 use super::route_trace::RouteTrace;
 use super::{DrivingMode, Path, Perception, lane_keeping};
-use crate::geometry::wrap_angle;
 use crate::sim::{Control, LightColour};
 use base::keys;
 use base::seed::Stream;
+use road::geometry::wrap_angle;
 
 keys! {
     /// What drivers with a lane follower inside take.

@@ -9,7 +9,7 @@ mod driving_policy;
 mod actuation_delay;
 mod fault;
 mod path;
-pub(crate) mod view;
+pub mod view;
 mod lane_keeping;
 mod cruise;
 mod native;

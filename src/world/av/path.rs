@@ -1,9 +1,9 @@
 use std::collections::VecDeque;
 
 use super::Perception;
-use crate::geometry::{Point, Pose, Vector, wrap_angle};
-use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town};
 use base::seed::Stream;
+use road::geometry::{Point, Pose, Vector, wrap_angle};
+use road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town};
 
 /// Spacing of the points (m), along the reference line.
 const STEP: f64 = 1.0;

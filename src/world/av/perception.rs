@@ -1,6 +1,6 @@
-use crate::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use crate::road::{LaneFilter, Town, Waypoint};
 use crate::sim::{ActorId, Control, LightColour, Vehicle, VehicleBlueprint, World};
+use road::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use road::{LaneFilter, Town, Waypoint};
 
 /// From the bumper back to the driver's eye, which is on the axis (m).
 pub const EYE: f64 = 1.9;

@@ -1,5 +1,5 @@
 use super::{Actor, Path, Perception};
-use crate::geometry::{Point, Vector};
+use road::geometry::{Point, Vector};
 
 /// A path as a line with lengths along it, measured from abeam the ego, for drivers with forecasts.
 #[derive(Debug, Clone, Default)]

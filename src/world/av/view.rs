@@ -1,9 +1,9 @@
 use super::give_way::next_sign;
 use super::lane_keeping::limit_here;
 use super::{Path, Perception};
-use crate::geometry::{Pose, Vector};
-use crate::road::{GiveWay, LaneKind, RoutePoint, Town, Waypoint};
 use crate::sim::{ActorId, LightColour};
+use road::geometry::{Pose, Vector};
+use road::{GiveWay, LaneKind, RoutePoint, Town, Waypoint};
 
 /// The area in which a light is looked for: distance ahead (m) and beside the ego's axis (m).
 const LIGHT_AHEAD: f64 = 60.0;

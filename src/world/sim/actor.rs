@@ -1,6 +1,6 @@
 use super::{Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand};
-use crate::geometry::{Obstacles, OrientedBox};
-use crate::road::{FIRST_LIMIT, Town};
+use road::geometry::{Obstacles, OrientedBox};
+use road::{FIRST_LIMIT, Town};
 
 /// The identity of an actor of a world: its number among the vehicles or among the pedestrians. It stays the same for a whole episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]

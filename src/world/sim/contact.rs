@@ -1,5 +1,5 @@
 use super::{ActorId, Pedestrian, PedestrianBody, PedestrianState, Vehicle, VehicleBlueprint, VehicleState};
-use crate::geometry::{OrientedBox, Touch, first_touch, first_touch_of_boxes};
+use road::geometry::{OrientedBox, Touch, first_touch, first_touch_of_boxes};
 
 /// The first touch of a vehicle with a pedestrian or with another vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
+use road::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
 
 /// A pedestrian that is slower (m/s) has no direction of motion.
 const AT_REST: f64 = 1e-9;

@@ -1,5 +1,5 @@
 use super::{PedestrianState, VehicleState};
-use crate::geometry::Pose;
+use road::geometry::Pose;
 
 /// The start of an actor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,4 +1,4 @@
-use crate::road::TrafficLight;
+use road::TrafficLight;
 
 /// The colour of a traffic light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,8 +93,8 @@ impl LightClock {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{OrientedBox, Pose};
-    use crate::road::RoadIndex;
+    use road::RoadIndex;
+    use road::geometry::{OrientedBox, Pose};
 
     #[test]
     fn lights_of_a_group_take_turns() {

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::VehicleBlueprint;
-use crate::geometry::{OrientedBox, Pose, wrap_angle};
+use road::geometry::{OrientedBox, Pose, wrap_angle};
 
 /// Positions of the pedals and the steering wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -4,8 +4,8 @@ use super::{
     ActorId, ActorStart, Contact, Control, LightClock, LightCycle, Pedestrian, PedestrianBody, Start, Vehicle,
     VehicleBlueprint, VehicleState, WalkCommand,
 };
-use crate::geometry::Obstacles;
-use crate::road::{LaneFilter, Town};
+use road::geometry::Obstacles;
+use road::{LaneFilter, Town};
 
 /// A town with vehicles and pedestrians in it. Vehicle 0 is the ego, the car under test.
 ///

@@ -1,7 +1,7 @@
 """Records how many evaluations pycma needs to bring test functions below 1e-8: pip install cma==4.5.0.
 
 Non-negative weights (CMA_active off), the usual population, step size 0.5, first mean drawn uniformly from [-1, 1]^n around
-the places below, n = 10, 21 seeds. The rotation is that of `rotated` in src/world/falsifier/optimizer/tests.rs: Householder's
+the places below, n = 10, 21 seeds. The rotation is that of `rotated` in src/search/optimizer/tests.rs: Householder's
 reflection at (1, 2, ..., n).
 """
 

@@ -4,7 +4,7 @@ The first number is that of formulas, the second that of traces for each. Needs 
 `x_i - c >= 0`, ["always", from, to, a], ["until", from, to, a, b], ["not", a], ["and", a, b]; `to` is null without a bound. A pair is a formula,
 the samples of three signals, and the robustness at every sample.
 
-`tests/world/robustness.rs` reads `robustness.json`, or the file that FALSIFY_RTAMT names.
+`tests/episode/robustness.rs` reads `robustness.json`, or the file that FALSIFY_RTAMT names.
 """
 
 import json

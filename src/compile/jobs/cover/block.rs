@@ -8,11 +8,11 @@ use crate::jobs::JobBlock;
 use crate::lowering::Lowering;
 use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
+use episode::requirement::NamedRequirement;
+use episode::{Criterion, RewardRule, Scenario, StartParameter};
 use lang::diagnostics;
 use lang::hir::Block;
-use world::env::{Criterion, RewardRule, Scenario, StartParameter};
-use world::judge::Blame;
-use world::requirement::NamedRequirement;
+use verdict::Blame;
 
 /// Maximum number of parameters of a box: with more, no number of episodes shows where it fails.
 const MAX_PARAMETERS: usize = 6;

@@ -6,9 +6,9 @@ use super::{Job, Origin, Planned};
 use base::seed::Seed;
 pub(super) use block::BLOCK;
 use block::{COLLISION, FAULT};
-use world::env::{Criterion, Scenario};
-use world::falsifier::Controller;
-use world::judge::Blame;
+use episode::walker::Controller;
+use episode::{Criterion, Scenario};
+use verdict::Blame;
 
 /// One box of starts of one policy in one town.
 #[derive(Debug, Clone)]

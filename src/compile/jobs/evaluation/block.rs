@@ -10,11 +10,10 @@ use crate::{Campaign, Job};
 use base::diagnostic::Diagnostic;
 use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
+use episode::{HERE, RewardRule, Scenario};
 use lang::diagnostics;
 use lang::hir::Block;
 use learn::Policies;
-use world::env::HERE;
-use world::env::{RewardRule, Scenario};
 
 keys! {
     /// Tries every pedestrian in every town against every driver.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::{Job, NO_REWARD, Origin, Planned, Training, TrainingKey};
 use base::seed::Seed;
 pub(super) use block::BLOCK;
-use world::env::Scenario;
-use world::falsifier::Controller;
+use episode::Scenario;
+use episode::walker::Controller;
 
 /// Number of episodes of an evaluation in one task.
 pub const CHUNK: u32 = 10_000;

@@ -8,17 +8,16 @@ use crate::grid::{Axis, Grid, Ground, Nested, Usual, note_towns};
 use crate::jobs::JobBlock;
 use crate::jobs::search::Rival;
 use crate::lowering::Lowering;
-use crate::policy;
-use crate::{Catalog, Job};
+use crate::{Catalog, Job, policy};
 use base::keys;
 use base::signature::{Arguments, DeclarationId, Keys, Type, Value};
 use base::units::Dimension;
+use episode::walker::Controller;
+use episode::{PedestrianRole, RewardRule, Scenario};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
+use search::hardening::{Attack, Hardening, Side, TrafficRule, Tunable, TunableKey};
 use world::av::external::Program;
-use world::env::{PedestrianRole, RewardRule, Scenario};
-use world::falsifier::Controller;
-use world::hardening::{Attack, Hardening, Side, TrafficRule, Tunable, TunableKey};
 
 /// Maximum number of keys that are varied: a search with some dozens of candidates finds nothing in more.
 const MAX_KEYS: usize = 12;

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::{Job, Origin, Planned};
 use base::seed::Seed;
 pub(super) use block::BLOCK;
-use world::env::Scenario;
-use world::falsifier::Controller;
-use world::hardening::{Attack, Hardening};
+use episode::Scenario;
+use episode::walker::Controller;
+use search::hardening::{Attack, Hardening};
 pub use written::{VariedKey, WrittenPolicy};
 
 /// A driver that is to be hardened.

@@ -8,12 +8,12 @@ use crate::lowering::Lowering;
 use crate::{Job, falsifier};
 use base::keys;
 use base::signature::{DeclarationId, Keys};
+use episode::requirement::NamedRequirement;
+use episode::{Criterion, PedestrianRole, RewardRule, Scenario};
 use lang::diagnostics;
 use lang::hir::Block;
 use learn::{Credit, Policies};
-use world::env::{Criterion, PedestrianRole, RewardRule, Scenario};
-use world::falsifier::Falsifier;
-use world::requirement::NamedRequirement;
+use search::Falsifier;
 
 keys! {
     /// Searches for failures by several methods, each with the same budget and the same starts.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::{Job, Origin, Planned};
 use base::seed::Seed;
 pub(super) use block::{BLOCK, Rival};
-use world::env::Scenario;
-use world::falsifier::Falsifier;
+use episode::Scenario;
+use search::Falsifier;
 
 /// The names that distinguish a search from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

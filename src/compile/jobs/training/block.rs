@@ -8,11 +8,11 @@ use crate::lowering::Lowering;
 use crate::{Campaign, Job};
 use base::signature::{DeclarationId, Formula, Keys, VariableId};
 use base::{choice, keys};
+use episode::{EpisodeRule, RewardRule};
 use lang::diagnostics;
 use lang::hir::{Block, Clause};
 use learn::{Credit, Policies};
 use world::av::external::ExternalKeys;
-use world::env::{EpisodeRule, RewardRule};
 
 choice! {
     /// What a pedestrian is trained for at once.

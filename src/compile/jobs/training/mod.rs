@@ -7,9 +7,9 @@ use super::{Origin, Planned};
 use crate::Fingerprint;
 use base::seed::Seed;
 pub(super) use block::{BLOCK, joined};
+use episode::Scenario;
 use learn::PpoConfig;
-use world::driving::DriveRule;
-use world::env::Scenario;
+use search::driving::DriveRule;
 
 /// Takes the place of a reward's name in a campaign that trains no pedestrian.
 pub const NO_REWARD: &str = "none";

@@ -18,11 +18,11 @@ use crate::session::seconds;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Training, compile};
+use episode::walker::Random;
+use episode::{Outcome, Scenario, Trace, evaluate_observed};
 use process::ProcessOpener;
 use world::av::Fault;
 use world::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
-use world::env::{Outcome, Scenario, Trace};
-use world::falsifier::{Random, evaluate_observed};
 
 /// Options of the trial of a driver.
 #[derive(Debug, Args)]

@@ -1,10 +1,10 @@
 //! An empty road with a bend and a turn, on which a driver shows that it follows its route.
 
 use base::seed::Seed;
+use episode::Scenario;
+use road::geometry::Point;
+use road::{LaneFilter, RoadOption, Waypoint, lane_route};
 use world::av::{DrivingPolicy, Perception, PerfectSensors};
-use world::env::Scenario;
-use world::geometry::Point;
-use world::road::{LaneFilter, RoadOption, Waypoint, lane_route};
 use world::sim::{ActorStart, Control, Start, World};
 
 /// The town: a street with a bend that ends at another one.

@@ -8,9 +8,9 @@ use super::driver_trial::{passed, told};
 use base::diagnostic::Sources;
 use base::seed::{Seed, Stream};
 use compile::{Catalog, Evaluation, compile};
+use episode::{Draw, Outcome, Phase, Scenario};
+use road::geometry::Vector;
 use world::av::{DrivingMode, DrivingPolicy, Fault, Perception};
-use world::env::{Draw, Outcome, Phase, Scenario};
-use world::geometry::Vector;
 use world::sim::{Control, VehicleState};
 
 /// A crossing, on whose street the car begins at 8 m/s: with somebody behind it, in its way, and 0.6 m beside its way; and at rest.

@@ -13,9 +13,9 @@ use crate::cli::input::session;
 use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
 use base::seed::Seed;
+use episode::walker::Random;
+use episode::{Abilities, ExternalWorld, Outcome, PolicyMaker, Scenario, Trace, WORLD_PROTOCOL, evaluate_observed};
 use world::av::{Cruise, CruiseKeys, DrivingPolicy, Native, NativeKeys};
-use world::env::{Abilities, ExternalWorld, Outcome, PolicyMaker, Scenario, Trace, WORLD_PROTOCOL};
-use world::falsifier::{Random, evaluate_observed};
 
 /// What may be wrong after all.
 const UNTRIED: &str = "        not compared: an engine of half to twice our force, 10 % less brake, 15 % less steering, a control 0.1 s late, how its own drivers move its car; \

@@ -3,8 +3,8 @@ use std::sync::Arc;
 
 use crate::session::{Error, named};
 use compile::{Campaign, Evaluation, HERE, Search};
+use episode::{ExternalWorld, Scenario, VehicleRole};
 use results::report::RecheckNote;
-use world::env::{ExternalWorld, Scenario, VehicleRole};
 
 /// A driver of an old report and its new version.
 #[derive(Debug, Clone, PartialEq, Eq)]

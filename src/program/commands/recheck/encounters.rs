@@ -7,15 +7,15 @@ use super::driver_pairs::{NewDriver, with_driver};
 use crate::session::Source;
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
+use episode::{Criterion, Outcome, Scenario, Trace, evaluate_observed, recorded_commands, walk_again};
 use learn::ActorCritic;
 use results::failure::Failure;
 use results::jobs::Repeatable;
 use results::parallel;
 use results::report::{Encounter, Encounters, RerunOutcome, WalkedBy};
-use world::cause::{Incident, unseeing};
-use world::env::{Criterion, Outcome, Scenario, Trace};
-use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
-use world::judge::Judged;
+use search::{Goal, evaluate_crossings};
+use verdict::Judged;
+use verdict::cause::{Incident, unseeing};
 use world::sim::WalkCommand;
 
 /// What became of a failure.

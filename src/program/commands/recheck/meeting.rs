@@ -9,12 +9,12 @@ use super::{RecheckArgs, STARTS};
 use crate::cli::external_world::external_world;
 use crate::session::{EpisodeName, Error, Event, Input, Session, Source, Stage, WhichPrograms};
 use compile::{Campaign, HERE, Misfit, RunId, Staging};
+use episode::{ExternalWorld, Scenario};
 use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
 use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
-use world::env::{ExternalWorld, Scenario};
-use world::falsifier::{Goal, crossings};
+use search::{Goal, crossings};
 
 /// The gap between car and pedestrian below which an episode without a touch is a near miss (m).
 const NEAR: f64 = 1.0;

@@ -10,11 +10,11 @@ use super::{Kind, Measurement};
 use crate::campaign::{Part, TaskError};
 use crate::report::Group;
 use compile::Cover;
+use episode::{Outcome, Trace};
+use search::likelihood::{BoxOfStarts, CoverConfig, Coverage, cover};
 pub use section::percent_above;
 use table::{COVER_POINTS, COVERS, Covering};
-use world::env::{Outcome, Trace};
-use world::judge::{Blame, Judged};
-use world::likelihood::{BoxOfStarts, CoverConfig, Coverage, cover};
+use verdict::{Blame, Judged};
 
 /// Maximum number of episodes in a row in which a driver or a controller may fail; then no more are run.
 const MAX_ERRORS: u32 = 10;
@@ -46,7 +46,7 @@ pub struct FoundInBox {
     pub shown: Option<f64>,
     /// Points of the box for which no place on the road was found. They count as passed.
     pub unplaced: u64,
-    /// Episodes that are left out ([`LeftOut`](world::env::LeftOut)). They count as passed.
+    /// Episodes that are left out ([`LeftOut`](episode::LeftOut)). They count as passed.
     pub left_out: u64,
     /// Episodes in which a driver or a controller failed as a program. They count as passed.
     pub errors: u64,

@@ -3,7 +3,7 @@ use maud::html;
 use super::Row;
 use super::section::statement;
 use crate::report::svg::{Figure, Panel, px, short};
-use world::env::DrawnParameter;
+use episode::DrawnParameter;
 
 /// Cells along a side of a picture: of a box of two parameters, and of a larger one, whose cells are averages.
 const SIDES: (usize, usize) = (48, 32);

@@ -2,8 +2,8 @@ use super::Row;
 use crate::record::columns::{DRIVER, EGO_SPEED, EPISODE, RUN_ID, TOWN};
 use crate::record::{Column, Table};
 use compile::Cover;
-use world::env::StartParameter;
-use world::likelihood::{Look, Point};
+use episode::StartParameter;
+use search::likelihood::{Look, Point};
 
 /// The stems of the files of the tables.
 pub const COVERS: &str = "covers";

@@ -7,7 +7,8 @@ use crate::campaign::{Part, TaskError};
 use crate::report::Group;
 use base::seed::Seed;
 use compile::Estimation;
-use world::likelihood::{self, Encounters, Estimate, Likelihood, Limits};
+use search::likelihood;
+use search::likelihood::{Encounters, Estimate, Likelihood, Limits};
 
 pub(super) const KIND: Kind = Kind {
     doing: ["estimating", "estimated"],

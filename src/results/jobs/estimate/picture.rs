@@ -2,8 +2,8 @@ use maud::html;
 
 use crate::report::svg::{Figure, Panel, px, thousands};
 use compile::Estimation;
-use world::judge::Blame;
-use world::likelihood::{Estimate, Likelihood};
+use search::likelihood::{Estimate, Likelihood};
+use verdict::Blame;
 
 type Ended<'a> = (&'a Estimation, &'a Estimate);
 

@@ -3,8 +3,8 @@ use super::table::doubts;
 use crate::report::Findings;
 use crate::report::table::{Column, Place, Section, Table, Value};
 use compile::Estimation;
-use world::judge::Blame;
-use world::likelihood::{Estimate, Likelihood, encounters_needed};
+use search::likelihood::{Estimate, Likelihood, encounters_needed};
+use verdict::Blame;
 
 /// How likely failures are; `None` without an estimate.
 pub fn estimates(found: &Findings<'_>) -> Option<Section> {

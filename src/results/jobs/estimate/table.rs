@@ -2,7 +2,7 @@ use super::Row;
 use crate::record::columns::{DRIVER, RUN, RUN_ID, TOWN};
 use crate::record::{Column, Table};
 use compile::Estimation;
-use world::likelihood::Estimate;
+use search::likelihood::Estimate;
 
 /// What a reader must know about an estimate; empty if nothing.
 pub fn doubts(job: &Estimation, estimate: &Estimate) -> Vec<&'static str> {

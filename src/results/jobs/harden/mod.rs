@@ -5,7 +5,8 @@ use super::{Kind, Measurement};
 use crate::campaign::{Part, TaskError};
 use crate::report::Group;
 use compile::Harden;
-use world::hardening::{Hardened, Traffic, harden};
+use search::hardening::{Hardened, harden};
+use verdict::Traffic;
 
 pub(super) const KIND: Kind = Kind {
     doing: ["hardening", "hardened"],

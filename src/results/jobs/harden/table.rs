@@ -2,7 +2,8 @@ use super::Row;
 use crate::record::Table;
 use crate::record::columns::{DRIVER, RUN, RUN_ID};
 use compile::Harden;
-use world::hardening::{Tested, Traffic};
+use search::hardening::Tested;
+use verdict::Traffic;
 
 /// What a hardening changed, of one figure.
 pub struct Changed<'a> {

@@ -3,9 +3,9 @@ use std::collections::BTreeMap;
 use super::TrainingResult;
 use crate::report::{Findings, Manifest};
 use compile::{Training, TrainingKey};
+use episode::Cast;
 use learn::Policies;
-use world::driving::{ACTION_BOUNDS, ACTION_SCALES, inputs};
-use world::env::Cast;
+use search::driving::{ACTION_BOUNDS, ACTION_SCALES, inputs};
 
 /// The paths of the networks of trained pedestrians in a report, relative to the report's folder, in the order of their policies; the format is the
 /// file's extension.

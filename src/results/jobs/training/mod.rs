@@ -14,8 +14,8 @@ use crate::report::Group;
 use compile::{Evaluation, Planned, Training, TrainingKey};
 pub use files::pedestrian_files;
 use learn::{ActorCritic, Trained, UpdateLog};
+use search::{TrainError, TrainingRun};
 pub use table::learning_curve_lines;
-use world::falsifier::{TrainError, TrainingRun};
 
 /// Number of decisions of a training between two reports to the observer.
 const REPORT_INTERVAL: u64 = 16;

@@ -4,8 +4,9 @@ use super::super::episodes::flow;
 use crate::campaign::Part;
 use base::statistics::mean;
 use compile::Training;
+use episode::evaluate;
+use episode::walker::{ActionMode, TrainedWalker};
 use learn::ActorCritic;
-use world::falsifier::{ActionMode, TrainedWalker, evaluate};
 
 /// Validation starts, over all scenarios of a training.
 const STARTS: u32 = 1000;

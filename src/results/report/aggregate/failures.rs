@@ -94,7 +94,7 @@ impl Failures {
 mod tests {
     use super::*;
     use crate::failure::tests::failure;
-    use world::judge::Label;
+    use verdict::Label;
 
     #[test]
     fn only_the_worst_of_each_start_and_driver_are_kept() {

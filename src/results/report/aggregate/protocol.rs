@@ -4,7 +4,7 @@ use crate::record::{Column, EpisodeTable, Table};
 use base::choice;
 use base::statistics::{clopper_pearson, mean};
 use compile::{Campaign, Evaluation};
-use world::env::{TargetWalk, TestCriterion, euro_ncap_bands};
+use episode::{TargetWalk, TestCriterion, euro_ncap_bands};
 
 /// The result of a driver in one case of a protocol's test.
 #[derive(Debug, Clone, PartialEq)]
@@ -339,8 +339,8 @@ pub fn protocol_table() -> Table<'static, ProtocolCell> {
 mod tests {
     use super::*;
     use base::signature::Distribution;
-    use world::env::{TargetBox, TargetSide, TestCase};
-    use world::geometry::Pose;
+    use episode::{TargetBox, TargetSide, TestCase};
+    use road::geometry::Pose;
 
     fn cell(test: f64, impact: f64, criterion: TestCriterion) -> ProtocolCell {
         let walk = TargetWalk {

@@ -1,14 +1,13 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
 use crate::failure::{Failure, FoundBy, Violation};
-use crate::record::columns::RUN_ID;
-use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
+use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, RUN_ID, TICKS};
 use crate::record::episodes::named;
 use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Table, parse_degrees};
 use crate::tables::{Method, Rate};
 use base::statistics::{ClusteredCount, wilson};
-use world::judge::{JudgedDegree, NoVerdict, ViolationVerdict};
-use world::requirement::{Degree, NamedRequirement};
+use episode::requirement::{Degree, NamedRequirement};
+use verdict::{JudgedDegree, NoVerdict, ViolationVerdict};
 
 /// The stem of the files of the table of requirements.
 pub const REQUIREMENTS: &str = "requirements";

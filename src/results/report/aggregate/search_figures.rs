@@ -1,8 +1,8 @@
 use std::collections::BTreeSet;
 
 use crate::jobs::SearchResult;
-use world::falsifier::Failure;
-use world::judge::{Blame, Judged};
+use search::Failure;
+use verdict::{Blame, Judged};
 
 // The names of the figures, as columns of searches have them; cells of searches summarise these.
 pub(super) const FAILURE_COUNT: &str = "failures";

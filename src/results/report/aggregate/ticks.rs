@@ -5,7 +5,7 @@ use crate::record::columns::{
 };
 use crate::record::{Column, Table};
 use compile::RunId;
-use world::env::{ActionSpec, Frame, ObservationSpec, Pair, Scenario, Trace};
+use episode::{ActionSpec, Frame, ObservationSpec, Pair, Scenario, Trace};
 
 /// A tick of an episode.
 pub struct Tick<'a> {

@@ -14,8 +14,8 @@ use crate::report::read::StoredSearch;
 use crate::report::{FailureChange, ReadError, SideEnd};
 use crate::tables::Changed;
 use compile::HERE;
-use world::falsifier::StartSet;
-use world::judge::Label;
+use search::StartSet;
+use verdict::Label;
 
 /// A falsifier in a town on both sides: what its searches found from the starts that both tried.
 #[derive(Debug, Clone, Default)]

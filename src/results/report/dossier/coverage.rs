@@ -8,8 +8,8 @@ use crate::report::render::{Column, Section, Table, Value};
 use crate::tables::Cell;
 use crate::tables::metrics::{COLLISION_RATE, COLLISIONS, EPISODES, FAULT_COLLISIONS};
 use compile::{HERE, NamedTown};
+use verdict::Blame;
 use world::av::DrivingMode;
-use world::judge::Blame;
 
 /// Factors of the operational environment that this simulator does not have.
 const NOT_MODELLED: &str = "weather other than friction, darkness other than by the sensors of a driver, slopes, kerbs, traffic beside a cast, animals, cyclists";

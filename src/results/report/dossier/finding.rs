@@ -5,7 +5,7 @@ use crate::report::render::{Column, Section, Table, Value, place, share_of_two, 
 use crate::report::{DistinctFailure, DriverResult, Findings};
 use crate::tables::metrics::{EPISODES, FAULT_RATE};
 use base::seed::Seed;
-use world::cause::{Cause, MAX_RUNS_OF_PROGRAM};
+use verdict::cause::{Cause, MAX_RUNS_OF_PROGRAM};
 
 /// The listed failures that count against their drivers, each finding once, the worst first.
 pub fn shown(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure> {

@@ -3,7 +3,7 @@ use crate::report::render::{Column, FAULT, LEFT_OUT, Section, Table, Value};
 use crate::report::{DistinctFailure, Findings};
 use base::signature::{Distribution, short};
 use compile::{Evaluation, Search};
-use world::env::{EgoSpeed, Scenario};
+use episode::{EgoSpeed, Scenario};
 
 /// Who the careful human of a fault is.
 const HUMAN: &str = "Two careful humans in place of the driver, one of them 0.4 s faster, both avoid a fault with 0.1 m to spare from the instant at which the danger begins. \
@@ -97,7 +97,7 @@ fn starts(scenario: &Scenario) -> [String; 6] {
 /// What was required, where, and what came.
 pub fn requirements(found: &Findings<'_>, made: &[Section]) -> Section {
     let of_campaign = found.campaign.requirements.iter();
-    let row = |named: &world::requirement::NamedRequirement| {
+    let row = |named: &episode::requirement::NamedRequirement| {
         let docs = found.campaign.words.iter().find(|word| word.form == "requirement" && *word.name == *named.name);
         vec![Value::from(&*named.name), docs.map_or_else(String::new, |word| word.docs.clone()).into()]
     };

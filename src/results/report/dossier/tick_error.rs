@@ -9,10 +9,9 @@ use crate::report::render::{Column, Section, Table, Value};
 use crate::report::replayed::played_failure;
 use base::seed::Seed;
 use compile::Evaluation;
-use world::cause::{Incident, Reruns};
-use world::env::{EpisodeRule, Scenario};
-use world::falsifier::recorded_commands;
-use world::judge::Judged;
+use episode::{EpisodeRule, Scenario, recorded_commands};
+use verdict::Judged;
+use verdict::cause::{Incident, Reruns};
 
 /// Maximum number of failures, and of episodes of evaluations, that are run again.
 const MAX_EPISODES: usize = 100;

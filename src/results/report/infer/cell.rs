@@ -4,11 +4,10 @@ use super::common_starts::{CommonStarts, MetricByRun};
 use super::evaluated_run::EvaluatedRun;
 use super::{Learning, reference_rates};
 use crate::record::{CellKey, ColumnReference};
-use crate::tables::Metric;
 use crate::tables::metrics::EPISODE_REWARD;
-use crate::tables::{Method, Rate};
+use crate::tables::{Method, Metric, Rate};
 use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, bounded_interval, quantile};
-use world::judge::Reference;
+use verdict::Reference;
 
 /// The evidence on a cell, in addition to its means.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -7,7 +7,7 @@ use crate::record::{CellKey, EpisodeTable, RunKey};
 use crate::tables::Metric;
 use crate::tables::metrics::{COLLISIONS, EPISODES, inferred};
 use base::statistics::ClusteredCount;
-use world::judge::Reference;
+use verdict::Reference;
 
 /// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count only in
 /// sums, so memory does not grow with them. With this number, an error is known to 0.3 %.

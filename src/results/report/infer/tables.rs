@@ -1,7 +1,7 @@
 use super::{Comparison, Test};
 use crate::record::{CellKey, Column, ColumnReference, Family, Interval, Table, cell_key};
 use crate::report::SearchComparison;
-use world::judge::Reference;
+use verdict::Reference;
 
 const OTHER_PEDESTRIAN: Column<String> =
     Column::new("other_pedestrian", "", "pedestrian of the cell that is subtracted");

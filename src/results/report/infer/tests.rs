@@ -2,8 +2,8 @@ use super::*;
 use crate::record::columns::EPISODE_REWARD;
 use crate::record::{CellKey, RunKey, episodes};
 use crate::tables::metrics::{COLLISION_RATE, FRONT_RATE, inferred};
+use episode::Ending;
 use polars::prelude::{Column, DataFrame};
-use world::env::Ending;
 
 /// A run whose episodes collide, with a moving car, where the word says `x`; `e` is an error.
 fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {

@@ -1,7 +1,7 @@
 use polars::prelude::DataFrame;
 
 use crate::record::columns::STATE_HASHES;
-use world::env::{Outcome, Scenario, StateHashes};
+use episode::{Outcome, Scenario, StateHashes};
 
 /// Where a repeated episode diverges from the stored one, in words: the decisions between which it does; `None` if the row does not tell.
 pub fn divergence(stored: &DataFrame, outcome: &Outcome, scenario: &Scenario) -> Option<String> {

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::record::Column;
 use crate::record::columns::{DRIVER, REWARD, RUN_ID, TOWN};
 use crate::report::aggregate::{BUDGET, FIRST_START, METHOD, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
-use world::falsifier::StartSet;
+use search::StartSet;
 
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 12;

@@ -1,8 +1,8 @@
 use crate::failure::{Failure, FailureClass};
 use crate::report::{FailureChange, SideCollision, SideEnd};
-use world::cause::Incident;
-use world::env::Criterion;
-use world::judge::{Blame, Judged, severe_injury_risk};
+use episode::Criterion;
+use verdict::cause::Incident;
+use verdict::{Blame, Judged, severe_injury_risk};
 
 /// How an encounter ended for one driver.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -133,7 +133,7 @@ impl Encounters {
 mod tests {
     use super::*;
     use crate::record::tests::row;
-    use world::env::{Ending, LeftOut};
+    use episode::{Ending, LeftOut};
 
     #[test]
     fn an_episode_that_is_left_out_is_not_met() {

@@ -1,4 +1,4 @@
-use world::env::{Abilities, ExternalWorld};
+use episode::{Abilities, ExternalWorld};
 
 /// What a reader of a recheck must know.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -3,9 +3,9 @@
 use super::message::{Choice, Decision, Pedals, Revision};
 use crate::av::view::{Kind, LaneAhead, View};
 use crate::av::{DrivingMode, Fault};
-use crate::geometry::Pose;
-use crate::road::GiveWay;
 use crate::sim::LightColour;
+use road::GiveWay;
+use road::geometry::Pose;
 
 /// Numbers of an action: id, throttle or acceleration, brake, steer.
 const ACTION: usize = 4;

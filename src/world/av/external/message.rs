@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::refusal::{ID, KeyOf, Keyed, answer_refusal, greeting_refusal};
 use crate::av::view::{Kind, LaneAhead, Seen, View};
 use crate::av::{DrivingMode, Fault, Perception, Word};
-use crate::geometry::Pose;
 use crate::sim::{Control, LightColour};
+use road::geometry::Pose;
 
 /// Name and major version of the protocol. Keys may be added within a version; a driver must ignore keys that it does not know.
 pub const PROTOCOL: &str = "falsify-av/1";
@@ -132,7 +132,7 @@ pub(super) struct Greeting {
 
 /// Where a road user is and how fast it is: m, rad, m/s.
 #[derive(Serialize)]
-pub(crate) struct Body {
+pub struct Body {
     x: f64,
     y: f64,
     yaw: f64,
@@ -140,7 +140,7 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    pub(crate) fn new(pose: &Pose, speed: f64) -> Self {
+    pub fn new(pose: &Pose, speed: f64) -> Self {
         Self { x: pose.x, y: pose.y, yaw: pose.yaw, speed }
     }
 }
@@ -191,7 +191,7 @@ struct World<'a> {
     light: Option<Light>,
     sign: Option<Sign>,
     actors: Each<'a, Seen, Actor>,
-    route: Each<'a, crate::geometry::Pose, [f64; 3]>,
+    route: Each<'a, road::geometry::Pose, [f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     lanes: Option<Each<'a, LaneAhead, Lane>>,
 }

@@ -20,9 +20,9 @@ mod driver;
 
 pub use driver::{External, ExternalKeys};
 pub use link::{Link, Opener};
-pub(crate) use message::Body;
+pub use message::Body;
 pub use message::PROTOCOL;
 pub use peer::Peer;
 pub use program::{Program, ProgramKeys};
-pub(crate) use refusal::{ID, KeyOf, Keyed, answer_refusal, greeting_refusal};
+pub use refusal::{ID, KeyOf, Keyed, answer_refusal, greeting_refusal};
 pub use session::Settings;

@@ -12,14 +12,14 @@ use crate::av::{Fault, Word};
 use base::suggest::nearest;
 
 /// A key of a message: its name, what its value must be, and whether a value is that.
-pub(crate) type KeyOf = (&'static str, &'static str, fn(&Value) -> bool);
+pub type KeyOf = (&'static str, &'static str, fn(&Value) -> bool);
 
 /// The key of an action that says which world it is for.
-pub(crate) const ID: KeyOf =
+pub const ID: KeyOf =
     ("id", "the id of a world, a whole number", |value| value.as_u64().is_some_and(|id| u32::try_from(id).is_ok()));
 
 /// A message that is an object: a list of its values without their keys is refused.
-pub(crate) struct Keyed<T>(pub T);
+pub struct Keyed<T>(pub T);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Keyed<T> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
@@ -42,7 +42,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Object<T> {
 }
 
 /// What is wrong with a line that is not a greeting with these keys, of which the first must be there.
-pub(crate) fn greeting_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
+pub fn greeting_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
     let value = match serde_json::from_slice::<Value>(line) {
         Ok(value) => value,
         Err(error) => return not_json(line, &error, true),
@@ -57,7 +57,7 @@ pub(crate) fn greeting_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
 }
 
 /// What is wrong with a line that is not an answer of actions with these keys.
-pub(crate) fn answer_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
+pub fn answer_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
     let value = match serde_json::from_slice::<Value>(line) {
         Ok(value) => value,
         Err(error) => return not_json(line, &error, false),

@@ -131,7 +131,7 @@ impl DrivingPolicy for Onnx {
 }
 
 /// The control for a network's two or three numbers.
-pub(crate) fn control(numbers: &[f32], perception: &Perception<'_>) -> Control {
+pub fn control(numbers: &[f32], perception: &Perception<'_>) -> Control {
     match *numbers {
         [throttle, brake, steer] => Control {
             throttle: f64::from(throttle).clamp(0.0, 1.0),

@@ -1,6 +1,6 @@
 use crate::av::view::View;
-use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::sim::LightColour;
+use road::geometry::{Pose, Vector, wrap_angle};
 
 /// The content of an input of the network, with the number of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -25,8 +25,8 @@ mod engine;
 mod driver;
 mod network;
 
-pub(crate) use driver::control;
+pub use driver::control;
 pub use driver::{Onnx, OnnxKeys};
-pub(crate) use inputs::Input;
+pub use inputs::Input;
 pub use model::{Model, ModelError};
 pub use network::{Network, NetworkError, Runner};

@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_PI_3, PI};
 use super::SensorModel;
 use super::track::moved;
 use crate::av::Actor;
-use crate::geometry::{Point, Pose, Vector};
 use crate::sim::PedestrianBody;
 use base::seed::{Seed, Stream};
+use road::geometry::{Point, Pose, Vector};
 
 /// Least and greatest distance of a false alarm from the ego (m), and greatest angle from its heading (rad): an assumption.
 const DISTANCE: (f64, f64) = (5.0, 30.0);

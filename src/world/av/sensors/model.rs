@@ -1,8 +1,8 @@
 use std::f64::consts::{PI, TAU};
 
-use crate::geometry::{Point, Pose, Vector, wrap_angle};
 use base::signature::{MAX_MAGNITUDE, MIN_POSITIVE};
 use base::{choice, keys};
+use road::geometry::{Point, Pose, Vector, wrap_angle};
 
 /// Maximum length and width of what a pedestrian is mistaken for (m): larger than any vehicle.
 const MAX_CONFUSED: f64 = 30.0;

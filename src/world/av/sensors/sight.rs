@@ -1,5 +1,5 @@
 use crate::av::Actor;
-use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
+use road::geometry::{Obstacles, OrientedBox, Point, Vector};
 
 /// The targets of rays on an actor, as shares of its half width as the eye sees it.
 const RAYS: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];

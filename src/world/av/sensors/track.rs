@@ -1,9 +1,9 @@
 use super::model::correlation;
 use super::{Drift, Luck, SensorModel};
 use crate::av::Actor;
-use crate::geometry::{Pose, Vector};
 use crate::sim::ActorId;
 use base::seed::Seed;
+use road::geometry::{Pose, Vector};
 
 /// The knowledge and beliefs about one actor.
 #[derive(Debug, Clone)]

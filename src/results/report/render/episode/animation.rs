@@ -4,8 +4,8 @@ use super::EpisodeView;
 use super::narrative::BRAKING;
 use super::sheet::{EDGE, HEAD, Sheet};
 use crate::report::render::svg::{Digits, fine, px};
-use world::env::{Frame, Scenario, Trace};
-use world::judge::Verdict;
+use episode::{Frame, Scenario, Trace};
+use verdict::Verdict;
 
 /// Width of the scene (px).
 const WIDE: f64 = 760.0;

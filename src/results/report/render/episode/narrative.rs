@@ -1,8 +1,8 @@
+use episode::requirement::NamedRequirement;
+use episode::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
+use verdict::cause::violated_part;
+use verdict::{ContactSide, Judged, JudgedDegree, Label, NoVerdict, Reference, Verdict, ViolationVerdict};
 use world::av::DrivingMode;
-use world::cause::violated_part;
-use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
-use world::judge::{ContactSide, Judged, JudgedDegree, Label, NoVerdict, Reference, Verdict, ViolationVerdict};
-use world::requirement::NamedRequirement;
 
 /// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
 const LASTING: usize = 3;

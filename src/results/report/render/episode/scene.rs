@@ -4,8 +4,8 @@ use super::EpisodeView;
 use super::narrative::BRAKING;
 use crate::report::render::svg::{fine, line, px};
 use crate::report::render::town::Scenery;
-use world::env::{Frame, RecordedActor};
-use world::geometry::Point;
+use episode::{Frame, RecordedActor};
+use road::geometry::Point;
 
 /// The scene of an episode from above, in metres, y down.
 impl EpisodeView<'_> {

@@ -3,7 +3,7 @@ use maud::{Markup, html};
 use super::EpisodeView;
 use super::narrative::BRAKING;
 use crate::report::render::svg::{Digits, Document, line, px};
-use world::env::Frame;
+use episode::Frame;
 
 /// Space at the edges of a picture (px).
 pub const EDGE: f64 = 24.0;

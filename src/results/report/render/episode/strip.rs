@@ -3,8 +3,8 @@ use maud::html;
 use super::EpisodeView;
 use super::sheet::{EDGE, HEAD, Sheet};
 use crate::report::render::svg::px;
-use world::env::{Scenario, Trace};
-use world::judge::Verdict;
+use episode::{Scenario, Trace};
+use verdict::Verdict;
 
 /// Frames in a row, frames in all, and the width of one (px).
 const COLUMNS: usize = 3;

@@ -1,8 +1,8 @@
 use std::ops::RangeInclusive;
 
-use world::env::{Frame, Pair, Scenario, Trace};
-use world::geometry::{Point, Vector};
-use world::judge::Verdict;
+use episode::{Frame, Pair, Scenario, Trace};
+use road::geometry::{Point, Vector};
+use verdict::Verdict;
 
 /// Time shown before the start of the danger. In an episode without a collision: time around its least gap (s).
 const BEFORE: f64 = 1.5;

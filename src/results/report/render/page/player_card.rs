@@ -4,7 +4,7 @@ use super::frames::frames;
 use super::markup::{json, prose};
 use super::{Players, Replay};
 use crate::failure::FailureClass;
-use world::judge::Label;
+use verdict::Label;
 
 /// A failure with its player.
 #[derive(Debug, Clone, PartialEq)]

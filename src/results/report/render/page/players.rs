@@ -4,7 +4,7 @@ use super::super::town::Scenery;
 use super::Replay;
 use crate::jobs::Repeated;
 use crate::report::{CastFailure, DistinctFailure, PlayedFailure};
-use world::cause::needed;
+use verdict::cause::needed;
 
 /// The failures that can be played on a page.
 #[derive(Debug, Default)]

@@ -2,9 +2,9 @@ use serde::Serialize;
 
 use super::super::episode::in_short;
 use super::super::town::{Scenery, Surface};
-use world::env::{Ending, Frame, Scenario, Trace};
-use world::geometry::{Point, Pose};
-use world::judge::{Judged, Reference};
+use episode::{Ending, Frame, Scenario, Trace};
+use road::geometry::{Point, Pose};
+use verdict::{Judged, Reference};
 
 /// Scenery is shown up to this distance from the paths of car and pedestrian (m).
 const AROUND: f64 = 40.0;
@@ -94,7 +94,7 @@ impl Replay {
         for place in frames.iter().flat_map(|m| [m.ego.pose.position(), m.pedestrian.pose.position()]) {
             (low, high) = (low.inf(&place), high.sup(&place));
         }
-        let margin = world::geometry::Vector::new(AROUND, AROUND);
+        let margin = road::geometry::Vector::new(AROUND, AROUND);
         let polygon = |(surface, corners): &(Surface, Vec<Point>)| {
             let mut numbers = vec![*surface as i64];
             numbers.extend(corners.iter().flat_map(|c| [whole(c.x - origin.x, 0.1), whole(c.y - origin.y, 0.1)]));

@@ -4,7 +4,7 @@ use super::identity::{Named, places};
 use super::markup::percent;
 use crate::report::render::svg::{Figure, Panel, px};
 use crate::tables::metrics::{COLLISIONS, LABELLED};
-use world::judge::Label;
+use verdict::Label;
 
 /// Width of a panel, and the start and the end of its bars.
 const WIDTH: f64 = 286.0;

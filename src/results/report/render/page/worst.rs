@@ -144,7 +144,7 @@ mod tests {
     use crate::failure::tests::failure;
     use base::signature::Arguments;
     use compile::Driver;
-    use world::judge::Label;
+    use verdict::Label;
 
     #[test]
     fn the_list_has_one_of_each_driver_first() {

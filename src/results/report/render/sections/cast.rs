@@ -1,6 +1,6 @@
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{CastFailure, Findings};
-use world::cause::needed_names;
+use verdict::cause::needed_names;
 
 /// Which actors the listed failures need; `None` of a campaign without a cast or without a failure.
 pub fn cast(found: &Findings<'_>) -> Option<Section> {

@@ -1,6 +1,6 @@
 use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{DistinctFailure, Findings, MAX_SHRUNK};
-use world::cause::Cause;
+use verdict::cause::Cause;
 
 /// Each distinct failure once, with its cause; `None` without a failure.
 pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {

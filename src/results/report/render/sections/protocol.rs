@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use crate::jobs::percent_above;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
 use crate::report::{Colour, Findings, ProtocolCell, score};
-use world::env::TestCriterion;
+use episode::TestCriterion;
 
 /// How to read the tables.
 const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column, or without a collision a word alone. Along the path it is the speed \

@@ -3,7 +3,7 @@ use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{CellEvidence, Findings};
 use crate::tables::Cell;
 use base::statistics::{ClusteredCount, wilson};
-use world::judge::Reference;
+use verdict::Reference;
 
 /// Collision rates if reference drivers controlled the brake; `None` without a collision.
 pub fn reference_drivers(found: &Findings<'_>) -> Option<Section> {

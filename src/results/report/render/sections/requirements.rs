@@ -6,7 +6,7 @@ use crate::report::aggregate::Counted;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
 use crate::report::{CellRequirement, Findings};
 use crate::tables::Cell;
-use world::judge::NoVerdict;
+use verdict::NoVerdict;
 
 /// The rates of violations of a campaign's requirements; `None` without requirements.
 pub fn requirements(all: &Findings<'_>) -> Option<Section> {

@@ -7,9 +7,9 @@ use super::map_surfaces::{STYLE, all_lanes, lane_name, surfaces, view};
 use super::scenery::{SectionLane, needed, step};
 use crate::report::render::page::{OWN_SCRIPTS, head, json};
 use crate::report::render::svg::{Digits, px};
-use world::env::{Spawn, Survey};
-use world::geometry::{Point, Pose};
-use world::road::{LaneKind, Town};
+use episode::{Spawn, Survey};
+use road::geometry::{Point, Pose};
+use road::{LaneKind, Town};
 
 /// Maximum number of starts that a layer shows; more would hide each other.
 const MAX_SHOWN: usize = 300;
@@ -159,7 +159,7 @@ fn lane_data(town: &Town, lane: SectionLane<'_>, step: f64) -> LaneData {
 fn start(spawn: &Spawn) -> Markup {
     html! {
         @for (class, pose, length) in [("ego", &spawn.ego, 3.0), ("walker", &spawn.pedestrian, 1.6)] {
-            @let tip = pose.position() + world::geometry::Vector::new(libm::cos(pose.yaw), libm::sin(pose.yaw)) * length;
+            @let tip = pose.position() + road::geometry::Vector::new(libm::cos(pose.yaw), libm::sin(pose.yaw)) * length;
             path class=(class) d={ "M" (px(pose.x)) " " (px(-pose.y)) "L" (px(tip.x)) " " (px(-tip.y)) } {}
             circle class=(class) cx=(px(pose.x)) cy=(px(-pose.y)) r="0.4" {}
         }

@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use super::Surface;
 use super::scenery::{SectionLane, lanes, outline, step};
 use crate::report::render::svg::{Digits, outline as closed_path, px};
-use world::geometry::{OrientedBox, Point};
-use world::road::Town;
+use road::Town;
+use road::geometry::{OrientedBox, Point};
 
 /// Ground shown around the town (m).
 const MARGIN: f64 = 10.0;

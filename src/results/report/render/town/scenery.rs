@@ -1,6 +1,6 @@
 use base::choice;
-use world::geometry::Point;
-use world::road::{LaneKind, LaneSection, Road, RoadIndex, Town, Waypoint};
+use road::geometry::Point;
+use road::{LaneKind, LaneSection, Road, RoadIndex, Town, Waypoint};
 
 /// Least spacing of the points from which a lane's outline is made (m).
 const STEP: f64 = 1.0;

@@ -6,9 +6,9 @@ use maud::{Markup, html};
 
 use super::Scenery;
 use crate::report::render::svg::{Document, outline, px};
-use world::env::Spawn;
-use world::geometry::{Point, Pose, Vector};
-use world::road::Town;
+use episode::Spawn;
+use road::Town;
+use road::geometry::{Point, Pose, Vector};
 
 /// Ground shown around the town (m).
 const MARGIN: f64 = 12.0;

@@ -1,0 +1,103 @@
+use std::fmt;
+
+use crate::Situation;
+use base::choice;
+use base::signature::Formula;
+use road::geometry::{Obstacles, Point, Pose};
+use road::{LaneFilter, LaneKind, Town};
+
+use super::Spawn;
+
+choice! {
+    /// The kind of ground at a place.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Ground {
+        /// A driving lane.
+        Driving = "driving",
+        Sidewalk = "sidewalk",
+        /// Another lane: shoulder, parking, biking, …
+        Beside = "beside",
+        /// No lane at all.
+        OffRoad = "off_road",
+    }
+}
+
+impl Ground {
+    /// The ground at a place.
+    pub fn at(town: &Town, place: Point) -> Self {
+        let kinds = [(LaneFilter::Driving, Self::Driving), (LaneFilter::Sidewalk, Self::Sidewalk)];
+        let within = |filter| {
+            let lane = town.nearest_lane(place, filter)?;
+            let aside = town.pose(lane).to_local(place);
+            (aside.norm() <= town.lane_width(lane) / 2.0).then(|| town.lane_kind(lane))
+        };
+        for (filter, ground) in kinds {
+            if within(filter).is_some() {
+                return ground;
+            }
+        }
+        match within(LaneFilter::Any) {
+            Some(kind) if kind != LaneKind::None => Self::Beside,
+            _ => Self::OffRoad,
+        }
+    }
+}
+
+/// A condition on a start that sampling alone cannot ensure.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Constraint {
+    /// The pedestrian's centre is at least this far from every obstacle (m).
+    Clearance(f64),
+    /// The pedestrian stands on one of these grounds.
+    Ground(Vec<Ground>),
+    /// Whether the pedestrian can be seen from the middle of the ego.
+    Sight(bool),
+    /// A formula over the variables of `begin`, with its text.
+    Require {
+        /// It must not be 0.
+        condition: Formula,
+        /// The text in the scenario.
+        text: String,
+    },
+}
+
+impl Constraint {
+    /// Whether a start satisfies it.
+    pub fn admits(&self, spawn: &Spawn, town: &Town, obstacles: &Obstacles) -> bool {
+        let place = spawn.pedestrian.position();
+        match self {
+            Self::Clearance(least) => obstacles.clearance(place, *least) >= *least,
+            Self::Ground(grounds) => grounds.contains(&Ground::at(town, place)),
+            Self::Sight(seen) => obstacles.blocks_sight(spawn.ego.position(), place) != *seen,
+            Self::Require { condition, .. } => {
+                Situation::at_start(&spawn.ego, spawn.ego_speed, &spawn.pedestrian).satisfies(condition)
+            }
+        }
+    }
+
+    /// Whether it can be checked before the rest of the start is drawn.
+    pub(super) fn is_about_places(&self) -> bool {
+        !matches!(self, Self::Require { .. })
+    }
+}
+
+/// Names it as the scenario does.
+impl fmt::Display for Constraint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Clearance(least) => write!(f, "clearance: {least} m"),
+            Self::Ground(grounds) => {
+                let name = |ground: &Ground| ground.name();
+                write!(f, "ground: [{}]", grounds.iter().map(name).collect::<Vec<_>>().join(", "))
+            }
+            Self::Sight(true) => f.write_str("sight: visible"),
+            Self::Sight(false) => f.write_str("sight: hidden"),
+            Self::Require { text, .. } => write!(f, "require: {text}"),
+        }
+    }
+}
+
+/// A pedestrian at a place, with the ego at the origin: for constraints on the place alone.
+pub(super) fn placed(place: Point) -> Spawn {
+    Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::new(place.x, place.y, 0.0) }
+}

@@ -1,0 +1,4 @@
+//! Verdicts: closed forms and properties.
+
+mod driven_path;
+mod verdicts;
