@@ -478,7 +478,7 @@ mod tests {
         for (column, count) in counts {
             assert_eq!(number(&table, 0, column), Some(count), "{column}");
         }
-        let risk = world::judge::severe_injury_risk(10.0);
+        let risk = verdict::severe_injury_risk(10.0);
         let near = |column: &str, value: f64| assert!((number(&table, 0, column).unwrap() - value).abs() < 1e-9);
         near("avoidable_injury_after", 1000.0 * risk * 6.0 / 23.0);
         // Six collisions now, and five before.
