@@ -250,7 +250,7 @@ def test_commonroad_drives_through_a_tight_turn_and_stops_for_a_person_behind_it
 class Names:
     """The shapes of nuPlan's names that the map needs."""
 
-    SemanticMapLayer = SimpleNamespace(ROADBLOCK="roadblock", ROADBLOCK_CONNECTOR="connector", CARPARK_AREA="carpark", INTERSECTION="intersection")
+    SemanticMapLayer = SimpleNamespace(LANE="lane", LANE_CONNECTOR="way", ROADBLOCK="roadblock", ROADBLOCK_CONNECTOR="connector", CARPARK_AREA="carpark", INTERSECTION="intersection")
 
     @staticmethod
     def StateSE2(x: float, y: float, heading: float) -> Any:

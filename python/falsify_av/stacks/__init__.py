@@ -56,6 +56,7 @@ STACKS = {
         ("scipy", "shapely", "pandas", "geopandas", "aioboto3", "aiofiles", "retry", "cv2", "pyquaternion", "matplotlib", "PIL", "pytest"),
         "'numpy<2' scipy==1.13.1 shapely==2.0.6 pandas==2.3.3 geopandas aioboto3 aiofiles retry opencv-python-headless pyquaternion matplotlib pillow pytest",
     ),
+    "nuplan": Stack("nuplan", "a planner of nuPlan", (), ""),
     "fiss": Stack("fiss", "FISS+", ("fiss_planner",), "fiss-planner==1.0.0"),
     "commonroad": Stack("commonroad", "CommonRoad's reactive planner", ("commonroad_rp",), "commonroad-reactive-planner==2025.1"),
     "jupedsim": Stack("jupedsim", "JuPedSim's pedestrian", ("jupedsim",), "jupedsim==1.4.2"),

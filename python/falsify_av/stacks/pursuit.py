@@ -1,4 +1,4 @@
-"""What the planners in the JSON form share: the speed that the road ahead allows, and steering to a point."""
+"""What the planners in the JSON form share: the speed that the road ahead allows, steering to a point, and what they do where the route ends."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 APART = 2.0  # m: between two points of the route
+END = -3.0  # m/s^2: brakes softly to standstill where the route ends
 COMFORT, LATERAL = 2.0, 2.0  # m/s^2: before a lower limit, in bends
 
 
