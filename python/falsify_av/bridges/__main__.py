@@ -1,11 +1,14 @@
-"""`python3 -m falsify_av.bridges NAME [OPTIONS]` serves another simulator as a world; `--missing NAME` says what is not installed."""
+"""`python3 -m falsify_av.bridges NAME [OPTIONS]` serves another simulator as a world; `--missing NAME` says what is not installed.
+
+The names are those of the entry points `falsify_av.worlds` of all installed packages.
+"""
 
 from __future__ import annotations
 
 import sys
-from importlib import import_module
 
 from ..answers import answers
+from ..entries import WORLDS, entries, function, look
 from . import BRIDGES, serve
 
 USAGE = "usage: python3 -m falsify_av.bridges [--missing] NAME [OPTIONS]"
@@ -15,18 +18,21 @@ def main(words: list[str]) -> int:
     """Exit code 0 after the input has ended, 2 for a name that is not known, 3 if something is not installed."""
     only_look = words[:1] == ["--missing"]
     words = words[1:] if only_look else words
-    if not words or words[0] not in BRIDGES:
+    known = entries(WORLDS, {name: f"{__package__}.{bridge.module}:world" for name, bridge in BRIDGES.items()})
+    if not words or words[0] not in known:
         named = f"{words[0]!r} is not a bridge; " if words else ""
-        print(f"{named}{USAGE}\nnames: {', '.join(BRIDGES)}", file=sys.stderr)
+        print(f"{named}{USAGE}\nnames: {', '.join(known)}", file=sys.stderr)
         return 2
-    missing = BRIDGES[words[0]].missing()
+    missing = BRIDGES[words[0]].missing() if words[0] in BRIDGES else None
     if missing is not None:
         print(missing, file=sys.stderr)
         return 3
+    # Some libraries print when they are imported.
+    answers()
     if not only_look:
-        # Some libraries print when they are imported.
-        answers()
-        serve(import_module(f".{words[0]}", __package__).world(words[1:]))
+        serve(function(known[words[0]])(words[1:]))
+    elif words[0] not in BRIDGES:
+        look(known[words[0]])
     return 0
 
 
