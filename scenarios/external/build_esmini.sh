@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds esmini's library from a checkout, without what it downloads and draws, for `python3 -m falsify_av.bridges esmini library=…`:
 #
-#     git clone --depth 1 https://github.com/esmini/esmini
+#     git clone --depth 1 --recurse-submodules https://github.com/esmini/esmini
 #     scenarios/external/build_esmini.sh esmini
 #
 # It needs CMake and a C++ compiler, and prints the path of the library.
