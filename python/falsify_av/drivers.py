@@ -3,7 +3,7 @@
 A driver has one method ``drive(world)``. It gets what a driver in a separate program gets (``scenarios/external/README.md``): ``ego``,
 ``speed_limit``, ``light``, ``sign``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
 ``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left). Steer along ``route``: it leads to the start of the episode, and a driver
-that does not get there starts at rest. A method ``reset(hello, seed)`` is called before each episode, if there is
+that does not get there starts at rest. Where the road ends it is empty: brake there. A method ``reset(hello, seed)`` is called before each episode, if there is
 one: ``hello`` describes the car and has the ``parameters`` of the scenario, and ``seed`` is the only source of random numbers. A class with ``revision = 2`` also gets ``lanes``, and the ids
 of actors.
 

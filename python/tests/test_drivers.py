@@ -42,6 +42,19 @@ def test_a_class_answers_as_the_protocol_says():
         drivers._Answers(Silent)(later)
 
 
+@pytest.mark.parametrize("file", ["scenarios/external/my_av.py", "scenarios/external/tuned_av.py", "tests/external/follower.py", "tests/external/braking.py"])
+def test_a_shipped_driver_brakes_where_the_road_ends_and_steers_within_its_range(file):
+    hello = {"type": "hello", "protocol": "falsify-av/1"}
+    ego = {"x": 208.3, "y": 0.0, "yaw": 0.0, "speed": 8.0}
+    world = {"tick": 9, "ego": ego, "speed_limit": 8.33, "light": None, "actors": []}
+    routes = [[], [[199.9, 0.0, 0.0]], [[208.0, 30.0, 1.6]]]
+    step = {"type": "step", "worlds": [{"id": number, "route": route, **world} for number, route in enumerate(routes)]}
+    said = subprocess.check_output([sys.executable, REPOSITORY / file], input=f"{json.dumps(hello)}\n{json.dumps(step)}\n", text=True)
+    ended, *others = json.loads(said.splitlines()[1])["actions"]
+    assert ended == {"id": 0, "acceleration": -2, "steer": 0}
+    assert all(-1 <= action["steer"] <= 1 for action in others)
+
+
 class Cruise:
     """Drives along the road at the speed limit, and brakes for who is near."""
 

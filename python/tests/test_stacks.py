@@ -156,6 +156,14 @@ def test_sumo_brakes_for_a_person_in_its_way_and_for_no_other() -> None:
     assert (stops[-1] < -1.5).all(), "a red light"
 
 
+def test_sumo_starts_without_a_word_about_pyarrow() -> None:
+    needs("sumo")
+    pytest.importorskip("pyarrow")
+    hello = json.dumps({"protocol": "falsify-av/1", "vehicle": VEHICLE, "tick_s": 0.05, "worlds": 1, "actors": ACTORS, "route_points": POINTS})
+    command = [sys.executable, "-m", "falsify_av.stacks", "sumo"]
+    assert "pyarrow" not in subprocess.run(command, input=f"{hello}\n", capture_output=True, text=True, check=True).stderr
+
+
 def test_openpilots_problem_is_solved_as_by_a_checkout() -> None:
     """The plans were recorded by `python3 -m falsify_av.stacks.openpilot_checkout DIR FILE` with openpilot 0.11.2 (7d325d66)."""
     needs("openpilot_like")
@@ -179,6 +187,19 @@ def test_openpilot_stops_for_a_person_who_is_shown_as_a_lead() -> None:
         x += 0.05 * speed
     assert speed == 0.0 and -3.51 < least < -1.0
     assert 25.0 - x > VEHICLE["length"] / 2
+
+
+def test_openpilot_stops_softly_where_the_route_ends() -> None:
+    needs("openpilot_like")
+    from falsify_av.stacks.openpilot import Openpilot, Plan, solver
+
+    planner, speed, least = Openpilot({"vehicle": VEHICLE, "tick_s": 0.05}, lambda: Plan(solver())), 8.33, 0.0
+    for tick in range(300):
+        seen = frame(1, speed, {}, start=tick == 0)
+        seen.points[:], seen.route[:] = 0, 0.0
+        acceleration = float(planner.decide(seen)[0][0])
+        least, speed = min(least, acceleration), max(speed + 0.05 * acceleration, 0.0)
+    assert speed < 0.1 and least > -2.5
 
 
 def test_openpilots_problem_is_compiled_before_the_greeting() -> None:

@@ -31,9 +31,10 @@ int main() {
       const double* route = w + 14 + 8 * actors;
       for (const double* p = route; p != route + 3 * int(w[13]); p += 3) {
         const double ahead = c * (p[0] - x) + s * (p[1] - y), left = c * (p[1] - y) - s * (p[0] - x);
-        if (std::hypot(ahead, left) > 3.5 + 0.6 * speed) { steer = 2 * std::atan2(left, ahead); break; }
+        if (std::hypot(ahead, left) > 3.5 + 0.6 * speed) { steer = std::clamp(2 * std::atan2(left, ahead), -1.0, 1.0); break; }
       }
-      out.insert(out.end(), {w[0], std::clamp(2 * (wanted - speed), -8.0, 2.0), 0, steer});
+      const double change = w[13] ? std::clamp(2 * (wanted - speed), -8.0, 2.0) : -2;  // without a route the road has ended
+      out.insert(out.end(), {w[0], change, 0, steer});
     }
     const uint32_t length = 8 * out.size();
     std::fwrite(&length, 4, 1, stdout);

@@ -3,13 +3,15 @@ import json, math, sys
 
 def drive(world):
     ego = world["ego"]
+    if not world["route"]:  # the road has ended
+        return {"id": world["id"], "acceleration": -2, "steer": 0}
     sin, cos = math.sin(ego["yaw"]), math.cos(ego["yaw"])
     def local(x, y):  # metres ahead of the car's middle, and to its left
         dx, dy = x - ego["x"], y - ego["y"]
         return cos * dx + sin * dy, cos * dy - sin * dx
     ahead = [local(x, y) for x, y, _ in world["route"]]
     target = next((p for p in ahead if math.hypot(*p) > 3.5 + 0.6 * ego["speed"]), (10.0, 0.0))
-    steer = 2 * math.atan2(target[1], target[0])
+    steer = max(-1, min(1, 2 * math.atan2(target[1], target[0])))
     gaps = [x - 2.5 for x, y in (local(a["x"], a["y"]) for a in world["actors"]) if x > 0 and abs(y) < 2]
     if world["light"] and world["light"]["colour"] == "red":
         gaps.append(world["light"]["distance"])

@@ -6,6 +6,8 @@ parameters = {"gap": 0.5, "width": 1.0}
 
 def drive(world):
     ego = world["ego"]
+    if not world["route"]:  # the road has ended
+        return {"id": world["id"], "acceleration": -2, "steer": 0}
     sin, cos = math.sin(ego["yaw"]), math.cos(ego["yaw"])
     def turned(x, y):
         return cos * x + sin * y, cos * y - sin * x
@@ -13,7 +15,7 @@ def drive(world):
         return turned(x - ego["x"], y - ego["y"])
     ahead = [local(x, y) for x, y, _ in world["route"]]
     target = next((p for p in ahead if math.hypot(*p) > 3.5 + 0.6 * ego["speed"]), (10.0, 0.0))
-    steer = 2 * math.atan2(target[1], target[0])
+    steer = max(-1, min(1, 2 * math.atan2(target[1], target[0])))
     places = (local(a["x"], a["y"]) for a in world["actors"])
     gaps = [x - 2.5 for x, y in places if x > 0 and abs(y) < parameters["width"]]
     if world["light"] and world["light"]["colour"] == "red":

@@ -15,6 +15,8 @@ def in_way(ego, actor, reach):
 
 def drive(world):
     ego = world["ego"]
+    if not world["route"]:
+        return {"id": world["id"], "acceleration": -2, "steer": 0}
     x, y, _ = next((p for p in world["route"] if math.dist(p[:2], (ego["x"], ego["y"])) > 3.5 + 0.6 * ego["speed"]), world["route"][-1])
     angle = math.remainder(math.atan2(y - ego["y"], x - ego["x"]) - ego["yaw"], math.tau)
     reach = 6 + 0.3 * ego["speed"] + ego["speed"] ** 2 / 10

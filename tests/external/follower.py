@@ -3,6 +3,8 @@ import json, math, sys
 
 def drive(world):
     ego = world["ego"]
+    if not world["route"]:
+        return {"id": world["id"], "acceleration": -2, "steer": 0}
     x, y, _ = next((p for p in world["route"] if math.dist(p[:2], (ego["x"], ego["y"])) > 3.5 + 0.6 * ego["speed"]), world["route"][-1])
     angle = math.remainder(math.atan2(y - ego["y"], x - ego["x"]) - ego["yaw"], math.tau)
     return {"id": world["id"], "acceleration": max(-4, min(2, 2 * (0.9 * world["speed_limit"] - ego["speed"]))), "steer": max(-1, min(1, 2 * angle))}

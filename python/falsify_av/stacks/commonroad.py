@@ -26,7 +26,7 @@ from commonroad_rp.utility.config import ReactivePlannerConfiguration, VehicleCo
 from commonroad_rp.utility.utils_coordinate_system import create_coordinate_system
 
 from ..drivers import serve
-from .pursuit import APART, limit, pursue
+from .pursuit import APART, END, limit, pursue
 
 EVERY, STEP, STEPS = 6, 0.1, 30  # ticks, s, steps
 BRAKE, FULL, PULL = -6.0, -8.0, 3.0  # m/s^2
@@ -179,7 +179,7 @@ class Driver:
         """The answer to a tick."""
         ego, route = world["ego"], np.array(world["route"])
         if len(route) < 6:
-            return {"acceleration": -PULL, "steer": 0.0}
+            return {"acceleration": END, "steer": 0.0}
         if world["tick"] % EVERY == 0:
             self.state.replan(world, route)
         return {"acceleration": self.state.accelerate(ego["speed"], self.tick), "steer": self.state.steer(ego, route)}

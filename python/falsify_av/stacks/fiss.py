@@ -17,7 +17,7 @@ import fiss_planner
 import numpy as np
 
 from ..drivers import serve
-from .pursuit import APART, limit
+from .pursuit import APART, END, limit
 
 EVERY, STEP = 2, 0.1  # ticks, s
 ROOM = 1.5  # m: beside the lane in junctions, where lanes have no edges and the rear of a long car cuts the corner
@@ -98,7 +98,7 @@ class Driver:
         """The answer to a tick."""
         ego, route, state = world["ego"], np.array(world["route"]), self.state
         if len(route) < 4:
-            return {"acceleration": BRAKE, "steer": 0.0}
+            return {"acceleration": END, "steer": 0.0}
         if world["tick"] == 0:
             state.speed, state.yaw = ego["speed"], ego["yaw"]
         time = world["tick"] * state.tick

@@ -214,7 +214,9 @@ class Openpilot:
 
     def decide(self, frame: Frame) -> tuple[Array, Array]:
         """Accelerations (m/s^2) and steers."""
-        leads, limits = self._leads(frame), np.minimum(frame.limits(EASY), frame.bends(LATERAL, EASY))
+        # Where the route ends, its set speed is none.
+        limits = np.where(frame.points > 0, np.minimum(frame.limits(EASY), frame.bends(LATERAL, EASY)), 0.0)
+        leads = self._leads(frame)
         accelerations = np.zeros(len(frame.ids))
         for row, number in enumerate(frame.ids.tolist()):
             starts = bool(frame.starts[row])
