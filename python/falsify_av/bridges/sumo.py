@@ -7,13 +7,16 @@ brake for persons on the lane (eclipse-sumo/sumo#16092). Traffic lights are swit
 from __future__ import annotations
 
 import math
+import os
 import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
-import libsumo
-
 from . import Message, chosen, roads, state
+
+# Its import prints two lines where another pyarrow is installed than the one that it is compiled against. Neither is used here.
+os.environ.setdefault("LIBSUMO_AS_TRACI", "quiet")
+import libsumo  # noqa: E402
 
 MODELS = ("EIDM", "IDM", "Krauss")
 OPTIONS = ["--no-step-log", "--no-warnings", "--collision.action", "none", "--time-to-teleport", "-1", "--pedestrian.model", "striping"]

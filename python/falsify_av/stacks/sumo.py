@@ -9,14 +9,18 @@ Install it with ``pip install libsumo==1.28.0``; ``docs/src/how-to/stacks/sumo.m
 
 from __future__ import annotations
 
+import os
 import tempfile
 from pathlib import Path
 from typing import Any
 
-import libsumo
 import numpy as np
 
 from .batch import PEDESTRIAN, RED, YELLOW, Array, Frame, serve
+
+# Its import prints two lines where another pyarrow is installed than the one that it is compiled against. Neither is used here.
+os.environ.setdefault("LIBSUMO_AS_TRACI", "quiet")
+import libsumo  # noqa: E402
 
 MODELS = ("EIDM", "IDM", "Krauss")
 
