@@ -34,6 +34,9 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
     episode *k* has in the evaluations of a campaign that is run with this seed. ``reset(options={"episode": k})`` starts episode *k*. An
     environment that is never given a seed uses ``seed``, so its results repeat.
 
+    It can be pickled and copied, if ``own_driver`` can: a copy is made from the same arguments. It reads the files again, and begins as a new one does: the
+    seed of a reset and an episode that is under way are not kept.
+
     Args:
         scenario: A scenario file, or several; without one the paper's scenario.
         campaign, town, driver, reward, task, block: Names that choose one scenario of the files (:func:`falsify_av.scenarios` lists them).
@@ -110,6 +113,7 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
 
 class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """Several worlds of one scenario, stepped on all cores. World *i* behaves as a :class:`PedestrianEnv` with the seed ``seed + i``.
+    It is pickled and copied as one.
 
     Args:
         num_envs: The number of worlds.

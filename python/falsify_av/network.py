@@ -18,18 +18,22 @@ _FLOATS: dict[str, type[np.floating[Any]]] = {"tensor(float)": np.float32, "tens
 class Network:
     """A network with one output. Its inputs are 32-bit floats, which become 64-bit floats where the file wants those.
 
+    It is pickled as its file's name, or as the file's bytes. One of a session of yours cannot be pickled.
+
     Args:
-        model: A file, or a session of onnxruntime.
+        model: A file, its bytes, or a session of onnxruntime.
 
     Raises:
         ValueError: It has other inputs than floats, or not exactly one output.
     """
 
     def __init__(self, model: Any) -> None:
+        self._file: str | bytes | None = None
         if not hasattr(model, "get_inputs"):
             import onnxruntime
 
-            model = onnxruntime.InferenceSession(os.fspath(model), providers=["CPUExecutionProvider"])
+            self._file = model if isinstance(model, bytes) else os.path.abspath(model)
+            model = onnxruntime.InferenceSession(self._file, providers=["CPUExecutionProvider"])
         self.session = model
         inputs, outputs = model.get_inputs(), model.get_outputs()
         if not inputs or len(outputs) != 1:
@@ -50,6 +54,11 @@ class Network:
         # It remembers nothing, and a session has no copy.
         return self
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._file is None:
+            raise TypeError("a network of a session of onnxruntime cannot be pickled, since a session cannot; make it of the file")
+        return type(self), (self._file,)
+
     def answer(self, numbers: Mapping[str, NDArray[np.float32]]) -> NDArray[Any]:
         """Its output."""
         [found] = self.session.run(None, {name: given.astype(self._types[name]) for name, given in numbers.items()})
@@ -66,7 +75,7 @@ def fits(shape: list[Any], *wanted: int | range) -> bool:
 
 class Walker:
     """A pedestrian's network. One that takes several states gets the last ones of an episode, the oldest first, with zeros before its start.
-    :func:`falsify_av.evaluate` calls :meth:`check`.
+    :func:`falsify_av.evaluate` calls :meth:`check`. It is pickled with what it has seen.
 
     Raises:
         ValueError: The network has other inputs than one of states.
@@ -149,9 +158,7 @@ def hunter(body: str = "adult") -> Walker:
     Raises:
         ValueError: There is none with this body.
     """
-    import onnxruntime
-
     names = {"adult": "hunter.onnx", "child": "hunter_child.onnx"}
     if body not in names:
         raise ValueError(f"no trained pedestrian has the body {body!r}; there are {', '.join(map(repr, names))}")
-    return Walker(Network(onnxruntime.InferenceSession(shipped_network(names[body]), providers=["CPUExecutionProvider"])))
+    return Walker(Network(shipped_network(names[body])))

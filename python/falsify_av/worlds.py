@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from gymnasium import spaces
@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from . import _core
 from .drivers import Driver, answering
 from .scenarios import Files, Selection, choose
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 #: The numbers of an observation of one pedestrian, in order.
 OBSERVATION = ("bearing", "distance", "relative_heading", "speed")
@@ -134,13 +137,32 @@ def started(core: _core.Worlds, world: int) -> dict[str, Any]:
     return {"seed": place[0], "episode_number": place[1], "run_up_ticks": ticks, "placed": placed}
 
 
+def _again(kind: type[Any], words: tuple[Any, ...], options: dict[str, Any]) -> Any:
+    """An environment from the arguments of another one."""
+    return kind(*words, **options)
+
+
 class Closable:
-    """The compiled worlds of an environment, until it is closed."""
+    """The compiled worlds of an environment, until it is closed.
+
+    It is pickled and copied as its arguments: the files are read again, and the copy is open and begins as a new one does, without an episode that is under way.
+    """
 
     core: _core.Worlds
     render_mode: str | None
     _closed = False
     _warned = False
+    _arguments: tuple[tuple[Any, ...], dict[str, Any]]
+
+    def __new__(cls, *words: Any, **options: Any) -> Self:
+        """Remember the arguments."""
+        made = super().__new__(cls)
+        made._arguments = words, options
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Its arguments, and what Gymnasium's registry says of it."""
+        return _again, (type(self), *self._arguments), {name: value for name, value in vars(self).items() if name == "spec"}
 
     def _make(
         self, count: int, scenario: Files | None, campaign: str | None, seed: int, render_mode: str | None, options: Mapping[str, Any]

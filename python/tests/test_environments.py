@@ -1,5 +1,7 @@
 """The contracts of Gymnasium and of PettingZoo, and the equality of vector and single environments."""
 
+import copy
+import pickle
 from pathlib import Path
 
 import gymnasium
@@ -187,3 +189,47 @@ def test_a_training_loop_of_others_reads_returns_of_a_vector(scenario, mode):
             elif "episode" in final:
                 returns.extend(np.asarray(final["episode"]["r"])[final["_episode"]])
         assert len(returns) > 3 and np.isfinite(returns).all()
+
+
+class Stop:
+    """A driver that can be pickled."""
+
+    def drive(self, world):
+        return {"brake": 1.0}
+
+
+def test_a_copy_of_an_environment_begins_as_it_did(scenario):
+    options = {"render_mode": "rgb_array", "seed": 3, "own_driver": Stop, **CHOICES[0]}
+    for env in (falsify_av.make(scenario, **options), falsify_av.make_vec(scenario, 3, autoreset_mode=AutoresetMode.SAME_STEP, **options)):
+        first, info = env.reset()
+        env.step(env.action_space.sample())
+        for again in (pickle.loads(pickle.dumps(env)), copy.deepcopy(env), copy.copy(env)):
+            assert type(again) is type(env) and again.core is not env.core and again.metadata == env.metadata
+            assert again.render_mode == "rgb_array" and again.observation_space == env.observation_space
+            states, other = again.reset()
+            assert np.array_equal(first, states) and equal(info, other), "an episode under way is not kept"
+        env.close()
+        assert pickle.loads(pickle.dumps(env)).reset()[0].shape == first.shape, "a copy is open"
+
+
+def test_a_copy_of_a_registered_environment_knows_its_name(scenario):
+    env = gymnasium.make("falsify_av/Pedestrian-v0", scenario=scenario, **CHOICES[0])
+    again = pickle.loads(pickle.dumps(env))
+    assert again.spec.id == "falsify_av/Pedestrian-v0" and np.array_equal(env.reset()[0], again.reset()[0])
+
+
+def test_environments_of_other_libraries_are_copied_as_well(scenario):
+    pytest.importorskip("pettingzoo")
+    from falsify_av.pettingzoo import parallel_env
+
+    env = parallel_env(CAST, seed=2)
+    again = pickle.loads(pickle.dumps(env))
+    assert again.possible_agents == env.possible_agents
+    one, other = env.reset()[0], again.reset()[0]
+    assert all(np.array_equal(one[agent], other[agent]) for agent in env.possible_agents)
+
+
+def test_a_driver_that_cannot_be_pickled_is_said(scenario):
+    env = falsify_av.make(scenario, own_driver=lambda: Stop(), **CHOICES[0])
+    with pytest.raises((pickle.PicklingError, AttributeError), match="lambda"):
+        pickle.dumps(env)

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -128,6 +129,21 @@ def test_a_served_pedestrian_with_memory_remembers_each_world(tmp_path):
     found = [(each["id"], each["action"]) for answer in answers for each in answer["actions"]]
     sums = [(0, 4), (1, 40), (0, 12), (1, 120), (0, 20), (0, 20), (1, 200), (1, 120), (0, 20)]
     assert found == [(world, [float(total)] * 2) for world, total in sums], done.stderr
+
+
+def test_a_pedestrian_is_pickled_with_what_it_has_seen(tmp_path):
+    walkers = [falsify_av.hunter(), falsify_av.onnx(network(tmp_path / "three.onnx", {"state": [1, 12]}, 2))]
+    states = np.arange(8, dtype=np.float32).reshape(2, 4)
+    for walker in walkers:
+        walker.begin(np.ones(2, np.bool_))
+        walker(states)
+        again = pickle.loads(pickle.dumps(walker))
+        assert np.array_equal(again(states), walker(states))
+    import onnxruntime
+
+    session = onnxruntime.InferenceSession(str(tmp_path / "three.onnx"))
+    with pytest.raises(TypeError, match="make it of the file"):
+        pickle.dumps(falsify_av.onnx(session))
 
 
 def test_the_shipped_pedestrian_is_served_to_a_campaign(program, tmp_path):
