@@ -179,7 +179,7 @@ class Recorder:
         return names.InterpolatedTrajectory([here, SimpleNamespace(time_us=here.time_us + 1_000_000, center=here.center)])
 
 
-def recorded(worlds: list[dict[str, Any]]) -> Recorder:
+def recorded(worlds: list[dict[str, Any]], names: Any = names) -> Recorder:
     """What a planner is given in these ticks."""
     recorder = Recorder()
 
@@ -258,6 +258,20 @@ def test_a_map_answers_what_planners_ask_of_places() -> None:
     assert [len(each) for each in road.get_proximal_map_objects(here, 25.0, [layers.LANE, layers.LANE_CONNECTOR, layers.CROSSWALK]).values()] == [1, 1, 0]
     pose = road.lanes[0].baseline_path.get_nearest_pose_from_position(here)
     assert (pose.x, pose.y) == pytest.approx((0.0, 0.0)) and road.lanes[0].is_same_roadblock(road.lanes[0])
+
+
+def test_nuplans_devkit_takes_the_map_for_one_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    if not os.path.isdir(CLONE):
+        pytest.skip("FALSIFY_PDM names no folder with a clone of nuplan-devkit")
+    monkeypatch.syspath_prepend(CLONE)
+    found = recorded([world(0, light={"colour": "red", "distance": 15.0})], nuplan.Nuplan())
+    [start], [given] = found.starts, found.given
+    from nuplan.planning.training.preprocessing.feature_builders import vector_builder_utils as features
+
+    here = given.history.ego_states[-1].center.point
+    middle, _, _, lanes, blocks = features.get_neighbor_vector_map(start.map_api, here, 100.0)
+    lights, routes = features.get_traffic_light_encoding(lanes, given.traffic_light_data), features.get_on_route_status(start.route_roadblock_ids, blocks)
+    assert len(middle.to_vector()) == 24 + 19 + 59 and len(set(lights.traffic_lights)) == 2 and set(routes.on_route_status) == {(1, 0)}
 
 
 def test_a_plan_is_sampled_ten_times_a_second() -> None:
