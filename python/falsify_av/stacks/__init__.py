@@ -59,5 +59,6 @@ STACKS = {
     "nuplan": Stack("nuplan", "a planner of nuPlan", (), ""),
     "fiss": Stack("fiss", "FISS+", ("fiss_planner",), "fiss-planner==1.0.0"),
     "commonroad": Stack("commonroad", "CommonRoad's reactive planner", ("commonroad_rp",), "commonroad-reactive-planner==2025.1"),
+    "fmu": Stack("fmu", "an FMU", ("fmpy",), "fmpy==0.3.32"),
     "jupedsim": Stack("jupedsim", "JuPedSim's pedestrian", ("jupedsim",), "jupedsim==1.4.2"),
 }

@@ -140,24 +140,25 @@ class _Segments:
         return self.before[world, best] + on[rows, best], left[rows, best], self.headings[world, best], bend
 
 
-def serve(name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[Array, Array]]]) -> None:
+def serve(name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[Array, ...]]], control: str = "acceleration") -> None:
     """Answer the frames on the standard input until it ends.
 
-    ``start`` gets the greeting of the program and returns a function from a frame to accelerations (m/s^2) and steers, one for each world.
+    ``start`` gets the greeting of the program and returns a function from a frame to accelerations (m/s^2) and steers, one for each world; with the
+    control ``pedals`` to throttles, brakes and steers.
     """
     source, out = sys.stdin.buffer, answers()
     hello = json.loads(source.readline())
     decide = start(hello)
-    greeting = {"protocol": hello["protocol"], "name": name, "encoding": "binary", "control": "acceleration", "revision": 2}
+    greeting = {"protocol": hello["protocol"], "name": name, "encoding": "binary", "control": control, "revision": 2}
     out.write(json.dumps(greeting).encode() + b"\n")
     out.flush()
     actors, points = int(hello["actors"]), int(hello["route_points"])
     width = _HEAD + (_ACTOR + 1) * actors + (_POINT + _LANE) * points
     while (body := _frame(source)) is not None:
         frame = Frame(np.frombuffer(body, np.dtype("<f8")).reshape(-1, width), actors, points)
-        acceleration, steer = decide(frame)
+        *pushes, steer = decide(frame)
         answer = np.zeros((len(frame.ids), 4))
-        answer[:, 0], answer[:, 1], answer[:, 3] = frame.ids, acceleration, steer
+        answer[:, 0], answer[:, 1 : 1 + len(pushes)], answer[:, 3] = frame.ids, np.column_stack(pushes), steer
         out.write(struct.pack("<I", answer.nbytes) + answer.astype("<f8").tobytes())
         out.flush()
 
