@@ -139,6 +139,13 @@ def test_a_world_does_not_change_another(made: Path, name: str) -> None:
     assert apart[0] < -5.0
 
 
+def test_the_state_of_an_episode_is_gone_in_the_next(made: Path) -> None:
+    """The reset of `aeb` does nothing."""
+    fmu, first = driver(made / "aeb.fmu", AEB), [person(6.0)]
+    episodes = [[float(fmu.decide(frame(1, 8.0, first, start=tick == 0))[0][0]) for tick in range(6)] for _ in range(3)]
+    assert episodes[0] == episodes[1] == episodes[2] and episodes[0][-1] < -7.0
+
+
 def test_distances_are_from_the_front_and_an_object_has_a_rule() -> None:
     def users(speed: float, *rows: list[float]) -> dict[str, list[list[float]]]:
         return {user: found.get(0, []) for user, found in seen(frame(1, speed, [*rows]), VEHICLE).items()}
@@ -392,7 +399,7 @@ def foreign() -> list[Path]:
 
 @pytest.mark.parametrize("path", foreign() or [None], ids=lambda path: path.stem if path else "none")
 def test_fmus_of_others_drive(path: Path | None, tmp_path: Path) -> None:
-    """Every input at its start value: each steps as in `fmpy.simulate_fmu`."""
+    """Every input at its start value: each steps as in `fmpy.simulate_fmu`, also in a second episode."""
     if path is None:
         pytest.skip("FALSIFY_FMU_DIR does not name a folder with FMUs of others")
     file = opened(path)
@@ -401,7 +408,7 @@ def test_fmus_of_others_drive(path: Path | None, tmp_path: Path) -> None:
     outputs = [each for each in variables if each.causality == "output" and not each.shape and each.type not in ("String", "Binary", "Clock")]
     step = file.step(TICK)
     instance = fmu_file.Instance(file, [], outputs, {}, step)
-    ours = [instance.step([], (tick + 1) * step, tick == 0) for tick in range(100)]
+    ours = [[instance.step([], (tick + 1) * step, tick == 0) for tick in range(100)] for _ in range(2)][1]
     theirs = fmpy.simulate_fmu(str(path), validate=False, stop_time=100 * step, output_interval=step, output=[each.name for each in outputs])
     for place, output in enumerate(outputs):
         assert [float(value) for value in theirs[output.name][1:]] == pytest.approx([row[place] for row in ours], abs=1e-9), output.name

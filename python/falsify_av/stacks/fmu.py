@@ -1,6 +1,6 @@
 """An FMU, a functional mock-up unit, as a driver under test: FMI 2.0 or 3.0 for co-simulation, by FMPy.
 
-Each world has an instance, which begins anew at tick 0. In a tick it is told of the world and steps until the end of the tick; what it answers then drives the car.
+Each world has an instance, made anew at tick 0. In a tick it is told of the world and steps until the end of the tick; what it answers then drives the car.
 A follower of ours steers, and drives if the FMU only brakes. It keeps to the speed that limits, bends and lights ahead allow, also for an FMU that drives.
 
 Install it with ``pip install fmpy==0.3.32``; ``docs/src/how-to/stacks/fmu.md`` has the quantities, and which road user is which.

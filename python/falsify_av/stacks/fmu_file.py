@@ -110,16 +110,21 @@ def _unpacked(path: Path) -> Path:
 
 
 class Instance:
-    """An instance, which begins anew in each episode."""
+    """An instance, made anew for each episode."""
 
     def __init__(self, file: File, inputs: Sequence[Variable], outputs: Sequence[Variable], constants: dict[str, Any], step: float) -> None:
-        self._model, self._constants, self._step = file.model, constants, step
-        self._is_new, self._steps, self._count = True, 0, len(outputs)
+        self._file, self._model, self._constants, self._step = file, file.model, constants, step
+        self._inputs, self._outputs = inputs, outputs
+        self._is_new, self._steps = True, 0
+        self._open()
+
+    def _open(self) -> None:
+        path = self._file.path
         try:
-            self._fmu = fmpy.instantiate_fmu(str(file.folder), file.model, "CoSimulation")
+            self._fmu = fmpy.instantiate_fmu(str(self._file.folder), self._model, "CoSimulation")
         except Exception as error:
-            raise SystemExit(f"{file.path} cannot be instantiated: {error}; `fmpy simulate {file.path}` does the same without falsify") from None
-        self._setters, self._getters = self._calls("set", inputs), self._calls("get", outputs)
+            raise SystemExit(f"{path} cannot be instantiated: {error}; `fmpy simulate {path}` does the same without falsify") from None
+        self._setters, self._getters = self._calls("set", self._inputs), self._calls("get", self._outputs)
 
     def _calls(self, verb: str, variables: Sequence[Variable]) -> list[tuple[Callable[..., Any], list[int], list[int], Callable[[float], Any]]]:
         """One call for each type: the function, the references, their places among the variables, and what makes a value of a number."""
@@ -142,17 +147,20 @@ class Instance:
             self._steps += 1
             if state and state[1]:
                 raise RuntimeError("it ends its simulation")
-        outputs = [0.0] * self._count
+        outputs = [0.0] * len(self._outputs)
         for get, references, places, _ in self._getters:
             for place, value in zip(places, get(references)):
                 outputs[place] = float(value)
         return outputs
 
     def _start(self, inputs: Sequence[float]) -> None:
-        fmu, model = self._fmu, self._model
         if not self._is_new:
-            fmu.reset()
+            # The reset of some leaves their state as it is.
+            self._fmu.terminate()
+            self._fmu.freeInstance()
+            self._open()
         self._is_new, self._steps = False, 0
+        fmu, model = self._fmu, self._model
         if str(model.fmiVersion).startswith("2"):
             fmu.setupExperiment(startTime=0.0)
         left = apply_start_values(fmu, model, self._constants, settable_in_instantiated)

@@ -59,10 +59,8 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component aeb) { return fmi2OK; }
 fmi2Status fmi2ExitInitializationMode(fmi2Component aeb) { return fmi2OK; }
 fmi2Status fmi2Terminate(fmi2Component aeb) { return fmi2OK; }
 
-fmi2Status fmi2Reset(fmi2Component aeb) {
-    begin(aeb);
-    return fmi2OK;
-}
+/* As that of some others, it resets nothing. */
+fmi2Status fmi2Reset(fmi2Component aeb) { return fmi2OK; }
 
 fmi2Status fmi2SetReal(fmi2Component aeb, const fmi2ValueReference places[], size_t count, const fmi2Real values[]) {
     for (size_t i = 0; i < count; i++)
