@@ -11,15 +11,38 @@ pub struct Place {
     pub direction: Vector,
 }
 
-/// The minimum number of vertices between those that are looked at first.
-const MIN_STRIDE: usize = 16;
-/// Lengths and distances are exact to this (m).
-const ROUNDING: f64 = 1e-6;
+/// The numbers of vertices in a part of the path and in a part of a part, whose bounds tell which vertices are near.
+const PARTS: [usize; 2] = [1024, 32];
 
 /// The path of the middle of a car, with its heading. It continues straight beyond its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenPath {
-    vertices: Vec<(f64, Pose)>,
+    pub(super) vertices: Vec<(f64, Pose)>,
+    /// The bounds of the parts of each size.
+    bounds: [Vec<Bounds>; 2],
+}
+
+/// The least and the greatest coordinates of some vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Bounds {
+    low: Point,
+    high: Point,
+}
+
+impl Bounds {
+    fn of(vertices: &[(f64, Pose)]) -> Self {
+        let mut points = vertices.iter().map(|(_, pose)| pose.position());
+        let first = points.next().expect("a part has a vertex");
+        points.fold(Self { low: first, high: first }, |all, point| Self {
+            low: all.low.inf(&point),
+            high: all.high.sup(&point),
+        })
+    }
+
+    /// The square of the distance to a point (m²); 0 within.
+    fn apart(&self, point: Point) -> f64 {
+        (self.low - point).sup(&(point - self.high)).sup(&Vector::zeros()).norm_squared()
+    }
 }
 
 impl DrivenPath {
@@ -41,7 +64,8 @@ impl DrivenPath {
             }
         }
         assert!(!vertices.is_empty(), "a path has a start");
-        Self { vertices }
+        let bounds = PARTS.map(|size| vertices.chunks(size).map(Bounds::of).collect());
+        Self { vertices, bounds }
     }
 
     /// The pose of a car at a length along the path (m), which drives on from one call to the next: `passed` is the number of vertices that it has
@@ -64,32 +88,45 @@ impl DrivenPath {
     /// line backwards.
     pub fn place(&self, point: Point, from: f64) -> Place {
         let first = self.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;
-        let vertices = &self.vertices[first..];
-        let apart = |(_, pose): &(f64, Pose)| (point - pose.position()).norm_squared();
-        let sampled = vertices.iter().step_by(MIN_STRIDE.max(vertices.len().isqrt()));
-        let mut least = sampled.map(apart).fold(f64::INFINITY, f64::min);
-        let mut nearest = (f64::INFINITY, first);
-        let mut place = 0;
-        while let Some(vertex) = vertices.get(place) {
-            let apart = apart(vertex);
-            if apart < nearest.0 {
-                nearest = (apart, first + place);
-                least = least.min(apart);
-            }
-            // No vertex before this length is as near as the nearest one: the way there is too short.
-            let next = vertex.0 + apart.sqrt() - least.sqrt() - ROUNDING;
-            place += 1;
-            if vertices.get(place).is_some_and(|(at, _)| *at < next) {
-                place += vertices[place..].partition_point(|(at, _)| *at < next);
-            }
-        }
+        let index = self.nearest_vertex(point, first);
         // One of the two segments that meet there is the nearest.
-        let index = nearest.1;
         let ahead = self.seen_from(index, point);
         if index == first || ahead.along >= self.vertices[index].0 {
             return ahead;
         }
         self.seen_from(index - 1, point)
+    }
+
+    /// The vertex nearest to a point, from the vertex `first` onwards; the first of equally near ones.
+    pub(super) fn nearest_vertex(&self, point: Point, first: usize) -> usize {
+        let apart = |index: usize| (point - self.vertices[index].1.position()).norm_squared();
+        let [parts, small_parts] = &self.bounds;
+        let parts = (first / PARTS[0]..parts.len()).map(|part| (parts[part].apart(point), part));
+        let nearest_part = parts.clone().min_by(|one, other| one.0.total_cmp(&other.0)).map_or(0, |(_, part)| part);
+        // A vertex of the nearest part: no other one is looked at whose part is farther.
+        let sample = (nearest_part * PARTS[0]..self.vertices.len()).take(PARTS[0]).step_by(PARTS[1]);
+        let mut least = sample.map(|index| apart(index.max(first))).fold(f64::INFINITY, f64::min);
+        let mut nearest = (f64::INFINITY, first);
+        for (bound, part) in parts {
+            if bound > least {
+                continue;
+            }
+            let each = PARTS[0] / PARTS[1];
+            for small in part * each..((part + 1) * each).min(small_parts.len()) {
+                if small_parts[small].apart(point) > least {
+                    continue;
+                }
+                let end = ((small + 1) * PARTS[1]).min(self.vertices.len());
+                for index in (small * PARTS[1]).max(first)..end {
+                    let apart = apart(index);
+                    if apart < nearest.0 {
+                        nearest = (apart, index);
+                        least = least.min(apart);
+                    }
+                }
+            }
+        }
+        nearest.1
     }
 
     /// A point relative to the segment of the path that starts at a vertex, extended at both ends.

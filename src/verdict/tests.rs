@@ -167,3 +167,23 @@ proptest! {
         prop_assert!(impact(Reference::IdealBrake) <= impact(Reference::CarefulHuman) + 1e-6);
     }
 }
+
+proptest! {
+    #[test]
+    fn the_nearest_vertex_of_a_path_of_many_laps_is_found(
+        seed in 0_u64..1000,
+        from in 0.0..4000.0_f64,
+        place in (-60.0..60.0_f64, -60.0..60.0_f64),
+    ) {
+        // Laps of a circle whose radius grows and shrinks.
+        let radius = |step: f64| 30.0 + 8.0 * (step * 0.013 + seed as f64).sin();
+        let pose = |step: f64| Pose::new(radius(step) * (0.02 * step).cos(), radius(step) * (0.02 * step).sin(), 0.0);
+        let path = DrivenPath::new((0..6000).map(|step| pose(f64::from(step))));
+        let point = Point::new(place.0, place.1);
+        let first = path.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;
+        let apart = |index: &usize| (point - path.vertices[*index].1.position()).norm_squared();
+        let all = first..path.vertices.len();
+        let nearest = all.reduce(|best, index| if apart(&index) < apart(&best) { index } else { best });
+        prop_assert_eq!(Some(path.nearest_vertex(point, first)), nearest);
+    }
+}

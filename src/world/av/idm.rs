@@ -144,17 +144,20 @@ struct Chords {
 
 impl Chords {
     fn new(path: &Path, ego: Point) -> Self {
-        let mut chords = Self { along: [0.0; HORIZON], longest: 0.0 };
-        let Some(first) = path.points().next() else { return chords };
-        // The path's first point is the nearest to the ego, not the one abeam it.
-        let mut along = -first.pose.to_local(ego).x;
-        chords.along[0] = along;
-        for (place, step) in chords.along[1..].iter_mut().zip(path.steps()) {
-            chords.longest = chords.longest.max(step.length);
-            along += step.length;
-            *place = along;
+        let mut places = [0.0; HORIZON];
+        // Kept in a register: in memory it would be written for each point.
+        let mut longest: f64 = 0.0;
+        if let Some(first) = path.points().next() {
+            // The path's first point is the nearest to the ego, not the one abeam it.
+            let mut along = -first.pose.to_local(ego).x;
+            places[0] = along;
+            for (place, step) in places[1..].iter_mut().zip(path.steps()) {
+                longest = longest.max(step.length);
+                along += step.length;
+                *place = along;
+            }
         }
-        chords
+        Self { along: places, longest }
     }
 
     /// How far along the path from abeam the ego a place is, and the start of its chord; `None` if it is more than `beside` (m) from the path, or
