@@ -138,7 +138,8 @@ struct Elites {
     /// The number of pedestrians that cross.
     pedestrians: usize,
     all: Vec<Elite>,
-    earned: BTreeMap<FailureCell, f64>,
+    /// What each cell has earned, and the share of a further reward that it gains.
+    earned: BTreeMap<FailureCell, (f64, f64)>,
     memory: VecDeque<Try>,
     /// Ticks that were left of the budget after the last try.
     left: u64,
@@ -174,7 +175,6 @@ struct Worth {
     /// The greatest reward from this start.
     best: f64,
     again: f64,
-    novelty: f64,
     /// Whether it guides the search, where an unknown crossing is predicted to gain the average.
     of_search: bool,
 }
@@ -227,10 +227,10 @@ impl Elites {
     }
 
     /// Draws an elite for a start.
-    fn draw(&self, context: &Context, novelty: f64, stream: &mut Stream) -> Option<usize> {
+    fn draw(&self, context: &Context, stream: &mut Stream) -> Option<usize> {
         let weight = |elite: &Elite| {
             let near = kernel(context, &elite.context);
-            near * near * self.gain(elite.value(), Some(elite.cell), novelty)
+            near * near * self.gain(elite.value(), Some(elite.cell))
         };
         let mut sums: Vec<f64> = Vec::with_capacity(self.all.len());
         for elite in &self.all {
@@ -241,15 +241,14 @@ impl Elites {
     }
 
     /// What a reward gains: less if it is for a failure of a cell that has earned much.
-    fn gain(&self, reward: f64, cell: Option<FailureCell>, novelty: f64) -> f64 {
-        let before = cell.and_then(|cell| self.earned.get(&cell)).copied().unwrap_or(0.0);
-        reward * libm::pow(1.0 + before, -novelty)
+    fn gain(&self, reward: f64, cell: Option<FailureCell>) -> f64 {
+        reward * cell.and_then(|cell| self.earned.get(&cell)).map_or(1.0, |(_, share)| *share)
     }
 
     /// What a try is worth to a start.
     fn worth(&self, reward: f64, cell: Option<FailureCell>, worth: &Worth) -> f64 {
         let more = (reward - worth.best).max(0.0);
-        more + worth.again * self.gain(reward.max(0.0), cell, worth.novelty)
+        more + worth.again * self.gain(reward.max(0.0), cell)
     }
 
     /// What the last tries gained per tick with their run-ups, the mean ticks of their episodes, and their mean gain.
@@ -270,7 +269,9 @@ impl Elites {
             self.memory.pop_front();
         }
         if let Some(cell) = tried.cell {
-            *self.earned.entry(cell).or_default() += tried.reward.max(0.0);
+            let (sum, share) = self.earned.entry(cell).or_default();
+            *sum += tried.reward.max(0.0);
+            *share = libm::pow(1.0 + *sum, -NOVELTY);
         }
         self.memory.push_back(tried);
     }
@@ -319,7 +320,7 @@ impl Archive {
     /// A goal for a start.
     fn propose(&self, elites: &Elites, context: &Context, worth: &Worth, stream: &mut Stream) -> Proposal {
         let explore = stream.random::<f64>() < self.explore;
-        let parent = if explore { None } else { elites.draw(context, NOVELTY, stream) };
+        let parent = if explore { None } else { elites.draw(context, stream) };
         let Some(parent) = parent else {
             // Before the first failure two thirds of the tries are those of the scripted controllers.
             let uniform = uniform(elites.pedestrians, stream);
@@ -330,7 +331,7 @@ impl Archive {
         };
         let mut parents = [parent; CANDIDATES];
         for other in &mut parents[1..] {
-            *other = elites.draw(context, NOVELTY, stream).unwrap_or(parent);
+            *other = elites.draw(context, stream).unwrap_or(parent);
         }
         let vary = |parent: usize| {
             let mut goals = elites.all[parent].goals.clone();
@@ -358,7 +359,7 @@ impl Archive {
         first: Option<(&mut Box<dyn WalkPolicy>, Stream)>,
         stream: &mut Stream,
     ) -> Option<()> {
-        let mut worth = Worth { best: 0.0, again: self.again, novelty: NOVELTY, of_search: true };
+        let mut worth = Worth { best: 0.0, again: self.again, of_search: true };
         if let Some((first, drawn)) = first {
             if !simulator.begin(start) {
                 return None;

@@ -1,10 +1,15 @@
 //! Ctrl-C: the first one asks for a clean end, the second one ends the program at once.
 
 use std::sync::{Arc, LazyLock};
+use std::thread;
+use std::time::Duration;
 
 use super::console;
 use crate::exit_code::ExitCode;
 use crate::session::Stop;
+
+/// How long a report may take once it is asked to stop.
+const PATIENCE: Duration = Duration::from_millis(1500);
 
 static STOP: LazyLock<Arc<Stop>> = LazyLock::new(Arc::default);
 
@@ -26,7 +31,18 @@ pub fn listen() {
         }
         process::stop_waiting();
         console::note("\nstopping after the work in progress; press Ctrl-C again to stop at once");
+        thread::spawn(leave_report);
     });
+}
+
+/// Ends the program once a report takes longer than people wait for it: its results are stored.
+fn leave_report() {
+    thread::sleep(PATIENCE);
+    while !STOP.is_reporting() || STOP.is_placing() {
+        thread::sleep(Duration::from_millis(20));
+    }
+    console::note("the report is not written; the results are stored, and the same command goes on from them");
+    end_at_once();
 }
 
 /// Installs the handler for commands without unsaved work: the first Ctrl-C ends the program.

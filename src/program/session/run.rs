@@ -148,7 +148,18 @@ impl<'a> CampaignRun<'a> {
         let mut index = self.begin_index(&[])?;
         let results = self.results(&index);
         let finished = self.finish_tasks(&mut index, &results)?;
-        let Some(found) = self.find(&draft, &results, &finished)? else {
+        self.session.stop.while_reporting(|| self.report(draft, &results, &finished, began))
+    }
+
+    /// Makes the report of what is finished.
+    fn report(
+        &self,
+        draft: ReportFolder,
+        results: &CampaignStore<'_>,
+        finished: &Finished,
+        began: Instant,
+    ) -> Result<CampaignOutcome, Error> {
+        let Some(found) = self.find(&draft, results, finished)? else {
             return Ok(CampaignOutcome::Empty { name: self.name.clone(), interrupted: finished.interrupted });
         };
         let times = Times { jobs: results.seconds(), run: began.elapsed().as_secs_f64() };

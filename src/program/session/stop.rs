@@ -4,13 +4,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Debug, Default)]
 pub struct Stop {
     asked: AtomicBool,
+    reporting: AtomicBool,
     placing: AtomicBool,
 }
 
 impl Stop {
     /// A flag that is not raised.
     pub const fn new() -> Self {
-        Self { asked: AtomicBool::new(false), placing: AtomicBool::new(false) }
+        Self { asked: AtomicBool::new(false), reporting: AtomicBool::new(false), placing: AtomicBool::new(false) }
     }
 
     /// Raises the flag; returns whether it was raised before.
@@ -21,6 +22,19 @@ impl Stop {
     /// Whether the flag is raised.
     pub fn is_asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)
+    }
+
+    /// Whether a report is being made, of results that are stored. A process that ends now loses none of them.
+    pub fn is_reporting(&self) -> bool {
+        self.reporting.load(Ordering::Relaxed)
+    }
+
+    /// Makes a report.
+    pub(super) fn while_reporting<T>(&self, report: impl FnOnce() -> T) -> T {
+        self.reporting.store(true, Ordering::Relaxed);
+        let made = report();
+        self.reporting.store(false, Ordering::Relaxed);
+        made
     }
 
     /// Whether a report is being moved to its place. A process that ends now could leave half of it.
