@@ -1,4 +1,7 @@
+use std::collections::BTreeSet;
+
 use super::Findings;
+use super::alike::clusters;
 use super::render::listed;
 use super::replayed::played_failure;
 use crate::failure::Failure;
@@ -21,6 +24,8 @@ pub struct DistinctFailure {
     pub failure: Failure,
     /// The number of failures that shrink to it, itself included.
     pub merged: usize,
+    /// The number of failures of its driver's list that are in its cluster, itself included.
+    pub alike: usize,
     /// The number of commands before and after it was shrunk; `None` if it was not repeated.
     pub commands: Option<[usize; 2]>,
     /// Whether it was asked why it happened.
@@ -45,11 +50,36 @@ pub fn first_of_each<T, C: PartialEq>(items: impl IntoIterator<Item = (T, Option
     firsts
 }
 
-/// The distinct ones among the first failures of the list of a page. Those of a program of the user are left out, which may take long to start.
+/// The distinct ones among the first failures of the list of a page, in which the worst of each cluster comes before the others. Those of a program of the user
+/// are left out, which may take long to start.
 pub fn listed_findings(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure> {
     let listed = listed(&found.drivers, &found.gathered.failures).into_iter();
-    let first: Vec<&Failure> = listed.filter(|failure| !is_of_program(found, failure)).take(MAX_SHRUNK).collect();
-    distinct_failures(found, &first, MAX_EXPLAINED, seed)
+    let own: Vec<&Failure> = listed.filter(|failure| !is_of_program(found, failure)).collect();
+    let clusters = clusters_of(&own);
+    let mut seen = BTreeSet::new();
+    let (first, others): (Vec<_>, Vec<_>) =
+        own.iter().zip(&clusters).partition(|(_, cluster)| seen.insert((*cluster).clone()));
+    let chosen: Vec<&Failure> = first.into_iter().chain(others).take(MAX_SHRUNK).map(|(failure, _)| *failure).collect();
+    let mut distinct = distinct_failures(found, &chosen, MAX_EXPLAINED, seed);
+    for each in &mut distinct {
+        let cluster =
+            own.iter().position(|failure| failure.name() == each.failure.name()).map(|place| &clusters[place]);
+        each.alike = clusters.iter().filter(|other| Some(*other) == cluster).count();
+    }
+    distinct
+}
+
+/// The driver and the cluster of each failure.
+fn clusters_of(failures: &[&Failure]) -> Vec<(String, usize)> {
+    let of = |failure: &Failure| failure.key.cell.policy.clone();
+    let drivers: BTreeSet<String> = failures.iter().map(|failure| of(failure)).collect();
+    let mut found = vec![(String::new(), 0); failures.len()];
+    for driver in drivers {
+        let own: Vec<usize> = (0..failures.len()).filter(|place| of(failures[*place]) == driver).collect();
+        let clusters = clusters(&own.iter().map(|place| failures[*place]).collect::<Vec<_>>());
+        own.into_iter().zip(clusters).for_each(|(place, cluster)| found[place] = (driver.clone(), cluster));
+    }
+    found
 }
 
 /// The distinct ones among some failures, with the causes of the first. Those of a program of the user are not shrunk, and those of another simulator not
@@ -100,6 +130,7 @@ pub fn distinct_failures(
         DistinctFailure {
             failure: failure.clone(),
             merged,
+            alike: merged,
             commands: repeated.map(|(_, shrunk)| shrunk.counts),
             is_asked,
             cause,

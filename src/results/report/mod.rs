@@ -10,6 +10,7 @@ mod failure_change;
 mod failure_table;
 mod compare;
 mod recheck;
+mod alike;
 mod distinct;
 mod render;
 mod read;
