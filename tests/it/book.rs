@@ -36,6 +36,12 @@ fn documents() -> Vec<(PathBuf, String)> {
 
 /// What the program prints (`explain`) is below `src`, and no document; nor is a report of somebody's own run.
 #[test]
+fn the_first_page_has_at_most_950_words() {
+    let words = std::fs::read_to_string(crate::repository().join("README.md")).unwrap().split_whitespace().count();
+    assert!(words <= 950, "{words} words: shorten a part before another grows");
+}
+
+#[test]
 fn all_documents_have_at_most_64_000_words() {
     let top = crate::repository();
     let (src, reports) = (top.join("src"), top.join("reports"));

@@ -41,6 +41,7 @@ fn of_gate(cells: &DataFrame, gate: &Gate) -> String {
         Judged::Passed => 'p',
         Judged::Broken(_) => 'b',
         Judged::Missing(_) => 'm',
+        Judged::NoValue(_) => 'v',
         Judged::TooFewRuns(_) => 'f',
         Judged::MissingEverywhere(_) => 'M',
         Judged::NothingEvaluated => 'n',

@@ -62,6 +62,9 @@ pub struct CompareArgs {
     /// `…_p_holm`, `…_low` and `…_high` are adjusted for all rows.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
+    /// Let a row pass that a condition cannot judge, since a column has no value there; without it such a row fails.
+    #[arg(long)]
+    pub allow_unjudged: bool,
     /// Options of the repetition for the page.
     #[command(flatten)]
     pub repeat: RepeatArgs,
@@ -84,7 +87,8 @@ pub fn tables(conditions: &[String]) -> [TableReference; 2] {
 
 /// `falsify compare`
 pub fn compare(options: &CompareArgs) -> Ended {
-    let conditions = Condition::parse_all(&options.fail_if, &tables(&options.fail_if), "comparison")?;
+    let conditions =
+        Condition::parse_all(&options.fail_if, &tables(&options.fail_if), "comparison", options.allow_unjudged)?;
     let two = |names: &Option<Vec<String>>| names.clone().and_then(|names| <[String; 2]>::try_from(names).ok());
     let [drivers, worlds] = [two(&options.drivers), two(&options.worlds)];
     let reports = match options.reports.as_slice() {

@@ -37,11 +37,21 @@ impl Condition {
         }
     }
 
-    /// Reads the conditions on a `whole`.
+    /// Lets rows pass that it cannot judge.
+    pub fn allowing_unjudged(self, allow: bool) -> Self {
+        Self { gate: self.gate.allowing_unjudged(allow), ..self }
+    }
+
+    /// Reads the conditions on a `whole`, which may let rows pass that they cannot judge.
     ///
     /// # Errors
     /// The exit code, after the reason has been printed.
-    pub fn parse_all(texts: &[String], tables: &[TableReference; 2], whole: &str) -> Result<Vec<Self>, ExitCode> {
+    pub fn parse_all(
+        texts: &[String],
+        tables: &[TableReference; 2],
+        whole: &str,
+        allow_unjudged: bool,
+    ) -> Result<Vec<Self>, ExitCode> {
         let refused = |error: GateError| match &error {
             GateError::Column { name, nearest, .. } => {
                 let near = nearest.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?"));
@@ -51,7 +61,8 @@ impl Condition {
             }
             other => misused(format!("--fail-if: {other}")),
         };
-        texts.iter().map(|text| Self::parse(text, tables).map_err(refused)).collect()
+        let parse = |text| Self::parse(text, tables).map(|condition| condition.allowing_unjudged(allow_unjudged));
+        texts.iter().map(|text| parse(text).map_err(refused)).collect()
     }
 }
 

@@ -100,6 +100,9 @@ pub struct RecheckArgs {
     /// 'faults_new > 0'; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
+    /// Let a row pass that a condition cannot judge, since a column has no value there; without it such a row fails.
+    #[arg(long)]
+    pub allow_unjudged: bool,
     /// Options of the repetition of the report.
     #[command(flatten)]
     pub repeat: RepeatArgs,
@@ -108,7 +111,7 @@ pub struct RecheckArgs {
 /// `falsify recheck`
 pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_reference(), report::crossed_reference()];
-    let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
+    let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck", options.allow_unjudged)?;
     check_starts(options)?;
     let reporter = Arc::new(Reporter::new(options.progress));
     interrupt::listen();

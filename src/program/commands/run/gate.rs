@@ -25,6 +25,9 @@ pub struct GateArgs {
     /// COLUMN` judges the worst pedestrian of each place, 'beats_untrained != yes' wants trainings above untrained pedestrians.
     #[arg(long, value_name = "CONDITION", help_heading = "Gates")]
     pub fail_if: Vec<String>,
+    /// Let a row pass that a condition cannot judge, since a column has no value there; without it such a row fails.
+    #[arg(long, help_heading = "Gates")]
+    pub allow_unjudged: bool,
     /// Compare each report with this one from before, or with that of the same name in this folder of reports. --fail-if then also knows
     /// the columns of `falsify compare`, as 'fault_rate_p_holm < 0.05 and fault_rate_difference > 0'.
     #[arg(long, value_name = "DIR", help_heading = "Gates")]
@@ -47,7 +50,8 @@ impl GateArgs {
             let known = compared.filter(|other| !matches!(other, GateError::Column { .. }));
             misused(format!("--fail-if: {}", known.unwrap_or(error)))
         };
-        own.map(|text| Gate::parse(text).map_err(|error| refused(text, error))).collect()
+        let gate = |text| Gate::parse(text).map(|gate| gate.allowing_unjudged(self.allow_unjudged));
+        own.map(|text| gate(text).map_err(|error| refused(text, error))).collect()
     }
 
     /// Whether a condition names columns that only the comparison with the baseline has.
@@ -61,8 +65,9 @@ impl GateArgs {
     pub fn compare(&self, run: &RunReport, output: Output) -> ExitCode {
         let Some(baseline) = &self.baseline else { return ExitCode::Done };
         let conditions = self.fail_if.iter().filter(|text| self.is_of_comparison(text));
+        let conditions = conditions.filter_map(|text| Condition::parse(text, &compare::tables(&self.fail_if)).ok());
         let conditions: Vec<Condition> =
-            conditions.filter_map(|text| Condition::parse(text, &compare::tables(&self.fail_if)).ok()).collect();
+            conditions.map(|condition| condition.allowing_unjudged(self.allow_unjudged)).collect();
         let is_report = baseline.join("manifest.toml").is_file();
         let against = |report: &CampaignReport| -> Ended {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };

@@ -22,6 +22,8 @@ use compile::{Campaign, Evaluation, Search, SearchKey};
 pub struct Gate {
     text: String,
     about_searches: bool,
+    /// Whether a row that cannot be judged passes.
+    allow_unjudged: bool,
     conditions: Vec<Condition>,
 }
 
@@ -82,8 +84,11 @@ pub enum Judged {
     Passed,
     /// The condition is true; the columns that it used, with their values.
     Broken(Vec<(String, String)>),
-    /// A column has no value there, so the condition cannot be evaluated. Other rows have one, or it is missing without a collision.
+    /// A column has no value there, so the condition cannot be evaluated, and the gate fails.
     Missing(String),
+    /// A column has no value there since nothing happened that it is about: no collision, or the requirement never applied. Or the user allows rows that cannot
+    /// be judged. That is worth a warning.
+    NoValue(String),
     /// No row has a value in this column. The gate judged nothing, so it fails.
     MissingEverywhere(String),
     /// No episode or start of the row was evaluated, so nothing is known there, and the gate fails.
@@ -117,7 +122,7 @@ impl Judged {
     pub fn fails(&self) -> bool {
         !matches!(
             self,
-            Self::Passed | Self::Thin(_) | Self::Missing(_) | Self::NotMet { all: false, .. } | Self::Elsewhere
+            Self::Passed | Self::Thin(_) | Self::NoValue(_) | Self::NotMet { all: false, .. } | Self::Elsewhere
         )
     }
 
@@ -130,7 +135,10 @@ impl Judged {
                 format!("{}{place}", each.collect::<Vec<_>>().join(", "))
             }
             Self::TooFewRuns(few) => format!("{few}{place}"),
-            Self::Missing(column) => format!("there is no {column}{place}"),
+            Self::Missing(column) => {
+                format!("there is no {column}{place}, so nothing is judged there; --allow-unjudged lets it pass")
+            }
+            Self::NoValue(column) => format!("there is no {column}{place}"),
             Self::MissingEverywhere(column) => {
                 format!("there is no {column}{place}, nor in any other row, so nothing was judged")
             }
@@ -236,7 +244,13 @@ impl Gate {
         if let Some(never) = conditions.iter().find(|condition| !condition.can_hold_with(&conditions)) {
             return Err(GateError::Never { text, name: never.column.name.to_string() });
         }
-        Ok(Self { text, about_searches: false, conditions })
+        Ok(Self { text, about_searches: false, allow_unjudged: false, conditions })
+    }
+
+    /// Lets rows pass that it cannot judge.
+    #[must_use]
+    pub fn allowing_unjudged(self, allow_unjudged: bool) -> Self {
+        Self { allow_unjudged, ..self }
     }
 
     pub fn text(&self) -> &str {
@@ -335,7 +349,7 @@ impl Gate {
     /// Judges every row of the table that it is about, in its order.
     pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
         let mut judged = self.judge_rows(cells);
-        let is_missing = |each: &Judged| matches!(each, Judged::Missing(_) | Judged::Elsewhere);
+        let is_missing = |each: &Judged| matches!(each, Judged::Missing(_) | Judged::NoValue(_) | Judged::Elsewhere);
         let is_unmet = |each: &Judged| matches!(each, Judged::NotMet { all: true, .. } | Judged::Elsewhere);
         if !judged.iter().all(is_unmet) {
             judged.iter_mut().for_each(|each| {
@@ -345,9 +359,9 @@ impl Gate {
             });
         }
         let may_be = self.conditions.iter().all(|condition| !condition.is_of_collisions);
-        if may_be && judged.iter().all(is_missing) {
+        if may_be && !self.allow_unjudged && judged.iter().all(is_missing) {
             for each in &mut judged {
-                if let Judged::Missing(column) = each {
+                if let Judged::Missing(column) | Judged::NoValue(column) = each {
                     *each = Judged::MissingEverywhere(std::mem::take(column));
                 }
             }
@@ -384,7 +398,7 @@ impl Gate {
                 _ if few.is_some() => few.into_iter().for_each(|(row, few)| judged[row] = Judged::TooFewRuns(few)),
                 Some((_, row)) => judged[row] = self.judge_cell(cells, row),
                 None if nothing_evaluated(cells, members[0]) => judged[members[0]] = Judged::NothingEvaluated,
-                None => judged[members[0]] = absent(cells, condition, members[0]),
+                None => judged[members[0]] = self.absent(cells, condition, members[0]),
             }
         }
         judged
@@ -456,7 +470,7 @@ impl Gate {
                         ((number * 1e6).round() / 1e6).to_string()
                     }
                     None => {
-                        missing = missing.or_else(|| Some(absent(cells, condition, row)));
+                        missing = missing.or_else(|| Some(self.absent(cells, condition, row)));
                         continue;
                     }
                 },
@@ -474,6 +488,19 @@ impl Gate {
             _ if let Some(judged) = self.not_met(cells, row) => judged,
             _ if let Some(share) = self.off_road(cells, row) => Judged::OffRoad(share),
             _ => self.thin(cells, row).map_or(Judged::Passed, Judged::Thin),
+        }
+    }
+
+    /// The judgement of a row that has no value in a column.
+    fn absent(&self, cells: &DataFrame, condition: &Condition, row: usize) -> Judged {
+        let name = condition.column.name.to_string();
+        match TooFewRuns::of(cells, condition, row) {
+            Some(few) => Judged::TooFewRuns(few),
+            None if applied(cells, condition, row) == Some(0.0) => {
+                Judged::NoValue(format!("{name}, since it never applied"))
+            }
+            None if condition.is_of_collisions || self.allow_unjudged => Judged::NoValue(name),
+            None => Judged::Missing(name),
         }
     }
 
@@ -562,13 +589,6 @@ fn too_few_rechecked(cells: &DataFrame, row: usize) -> Option<u64> {
 fn nothing_evaluated(cells: &DataFrame, row: usize) -> bool {
     let counts = [EPISODES.name, &MEAN.name(STARTS.name), STARTS.name, COMMON_STARTS.name, TRIED_STARTS.name];
     counts.iter().any(|count| number(&value(cells, count, row)) == Some(0.0))
-}
-
-/// The judgement of a row that has no value in a column.
-fn absent(cells: &DataFrame, condition: &Condition, row: usize) -> Judged {
-    let never = if applied(cells, condition, row) == Some(0.0) { ", since it never applied" } else { "" };
-    let missing = || Judged::Missing(format!("{}{never}", condition.column.name));
-    TooFewRuns::of(cells, condition, row).map_or_else(missing, Judged::TooFewRuns)
 }
 
 /// The number of a row's episodes in which the requirement of a condition applied; `None` if it is about none.

@@ -71,7 +71,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
     ChangeReport {
         sides: [before, after].map(|folder| folder.display().to_string()),
         notes: comparison.caveats.iter().map(ToString::to_string).collect(),
-        lead: std::iter::once(headline(comparison)).chain(power(comparison)).collect(),
+        lead: [answer(comparison), headline(comparison)].into_iter().chain(power(comparison)).collect(),
         sections,
     }
 }
@@ -90,6 +90,53 @@ fn common_starts(cell: &ComparedCell) -> String {
         1 => format!("{} common starts{same}", cell.starts),
         runs => format!("{} pairs of episodes with common starts, over {runs} runs{same}", cell.starts),
     }
+}
+
+/// Whether the driver after is better: by faults, those of searches too, and by collisions. Rows of several pedestrians count, or each pedestrian where there is one.
+fn answer(comparison: &ReportComparison) -> String {
+    let place =
+        |metric| comparison.events.iter().position(|event| event.requirement.is_none() && *event.figure == metric);
+    let is_pooled_too = |cell: &ComparedCell| {
+        let keys = |other: &ComparedCell| other.keys.each_ref().map(|key| key.policy.clone());
+        comparison.cells.iter().any(|other| other.is_pooled() && keys(other) == keys(cell))
+    };
+    let cells =
+        comparison.cells.iter().filter(|cell| cell.is_pooled() || cell.keys[0].is_of_reward() || !is_pooled_too(cell));
+    let cells: Vec<&ComparedCell> = cells.collect();
+    let rates = |metric| cells.iter().filter_map(move |cell| cell.rates.get(place(metric)?)?.as_ref());
+    let faults: Vec<&PairedRate> =
+        rates(FAULT_RATE).chain(comparison.searches.iter().map(|each| &each.found)).collect();
+    let collisions: Vec<&PairedRate> = rates(COLLISION_RATE).collect();
+    if faults.iter().chain(&collisions).all(|rate| rate.is_unchanged) && !collisions.is_empty() {
+        return "Nothing changed: all common starts end in the same episodes.".into();
+    }
+    let shown = |rates: &[&PairedRate], is_more: bool| {
+        let shown = rates.iter().filter(|rate| (rate.difference() > 0.0) == is_more);
+        let found: Vec<f64> = shown.filter_map(|rate| rate.holm.filter(|p| *p < 0.05)).collect();
+        found.iter().copied().reduce(f64::min).map(|least| (found.len(), least))
+    };
+    let words = |rates: &[&PairedRate], what: &str| {
+        let part = |is_more: bool, word: &str| {
+            let (rows, least) = shown(rates, is_more)?;
+            Some(format!("{word} {what} in {rows} of {} rows (p {})", rates.len(), at_most(least)))
+        };
+        [part(false, "fewer"), part(true, "more")].into_iter().flatten().collect::<Vec<String>>()
+    };
+    let all = [words(&faults, "faults"), words(&collisions, "collisions")].concat();
+    let decides =
+        if [false, true].iter().any(|is_more| shown(&faults, *is_more).is_some()) { &faults } else { &collisions };
+    let verdict = match [false, true].map(|is_more| shown(decides, is_more).is_some()) {
+        [true, false] => "The driver after is better",
+        [false, true] => "The driver after is worse",
+        [true, true] => "The driver after is better in some rows and worse in others",
+        [false, false] => return "No difference in faults or collisions is shown.".into(),
+    };
+    format!("{verdict}: {}.", all.join(", "))
+}
+
+/// A probability in a sentence.
+fn at_most(value: f64) -> String {
+    if value < 0.001 { "< 0.001".into() } else { format!("= {value:.3}") }
 }
 
 /// How many failures are new, worse, fixed, better and the same, and how many faults are new, fixed and the same.

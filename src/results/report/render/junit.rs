@@ -121,7 +121,7 @@ fn of_gates(suite: &Suite, searches: bool, row: usize) -> Vec<Finding> {
     if !broken.is_empty() {
         return broken;
     }
-    let mut missing = judged().filter(|(_, judged)| matches!(judged, Judged::Missing(_)));
+    let mut missing = judged().filter(|(_, judged)| matches!(judged, Judged::NoValue(_)));
     missing.find_map(|(gate, judged)| Some(("skipped", "", message(gate, judged)?))).into_iter().collect()
 }
 

@@ -25,7 +25,7 @@ const READING: [&str; 4] = [
      within any second, as in Euro NCAP's tests and recorded walking. Turns and stops count. A pedestrian without inertia seldom is; \
      `std/pedestrians.scn` has pedestrians that are. *Expected* is the share of drivers who would have avoided it, summed over the collisions and \
      divided by the episodes: reaction times are lognormal with a mean of 1.21 s.",
-    "The careful human is that of UN R157. It notices a pedestrian who is on course into the car's path when the time to collision is at most 2 s, or what \
+    "The careful human has UN R157's times and brake behind an on-course gate after its FSM. It notices a pedestrian who is on course into the car's path when the time to collision is at most 2 s, or what \
      it needs to stop if that is more, \
      and must avoid the collision in both readings: braking 1.15 s after that, and 0.75 s after that, each time with 0.6 s to reach 0.774 g, or what this car can if that is less. The others are the \
      Fuzzy Safety Model (0.75 s, up to 6 m/s²), RSS (ad-rss-lib's parameters, 4 m/s²), an ideal emergency brake (0.35 s, 0.6 s to reach 0.85 g) and \
