@@ -158,17 +158,17 @@ fn searches_with_a_goal_find_what_walking_at_random_does_not() {
 
 #[test]
 fn the_cells_count_censored_runs() {
-    use results::report::{search_cells, searches};
+    use results::report::{all_of_searches, search_cells, searches};
     let plan = obvious("home", 2_000, 4);
     let mut results = run(&plan);
     for result in &mut results[2..] {
         result.spent.failures.clear();
     }
-    let cell = &search_cells(&results)[0];
-    assert_eq!((cell.runs, cell.censored), (4, 2));
+    let cell = &search_cells(&results, &all_of_searches(&results))[0];
+    assert_eq!(cell.runs(), [4, 2]);
     // Half of the runs found a failure: the median is the later of the two.
     let later = results[..2].iter().map(|result| result.spent.failures[0].ticks).max().unwrap();
-    assert_eq!(cell.first_failure, Some(later as f64));
+    assert_eq!(cell.number("first_failure_ticks_median"), Some(later as f64));
     let table = searches(&results);
     assert_eq!(table.height(), 4);
 }

@@ -1,9 +1,10 @@
 use std::path::PathBuf;
 
 use super::OverviewFiles;
+use compile::SearchKey;
 use results::campaign::Shard;
-use results::report::{Doubt, DriverResult, Gate, Judged, Manifest, SearchCell, Section};
-use results::tables::Cells;
+use results::report::{Doubt, DriverResult, Gate, Judged, Manifest, Section};
+use results::tables::{Cells, Rows};
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -52,7 +53,7 @@ pub struct CampaignReport {
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
     /// Means of the searches, in the order of their rows in `metrics`.
-    pub searches: Vec<SearchCell>,
+    pub searches: Rows<SearchKey>,
     /// The sections of the report.
     pub sections: Vec<Section>,
     /// The doubts about its trainings.

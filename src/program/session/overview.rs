@@ -39,13 +39,14 @@ pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Op
             doubts: &report.doubts,
         })
         .collect();
-    let overview = Overview::new(&variants);
     let page = options.out.join(format!("{OVERVIEW}.html"));
     let table = options.out.join(format!("{OVERVIEW}.csv"));
     let failed = |source| options.keep(WriteError::Table { name: OVERVIEW.into(), source });
+    let overview = Overview::new(&variants).map_err(failed)?;
     let frame = overview.table().map_err(failed)?;
     report::write_csv(&table, &frame).map_err(|error| options.keep(error))?;
-    let html = report::overview_page(&overview, &reports[0].manifest.version);
+    let html = report::overview_page(&overview, &reports[0].manifest.version).map_err(failed)?;
     report::write_file(&page, html.as_bytes()).map_err(|error| options.keep(error))?;
-    Ok(Some(OverviewFiles { page, text: report::overview_for_terminal(&overview) }))
+    let text = report::overview_for_terminal(&overview).map_err(failed)?;
+    Ok(Some(OverviewFiles { page, text }))
 }

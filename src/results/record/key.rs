@@ -80,6 +80,11 @@ impl CellKey {
         self.is_trained() || self.controller == UNTRAINED
     }
 
+    /// Whether the controller was trained in this town against this driver.
+    pub fn is_at_home(&self) -> bool {
+        (&self.town, &self.policy) == (&self.train_town, &self.train_policy)
+    }
+
     /// Whether another cell has the same place: the same block, town, vehicle, adversary and world. Cells of one place share their starts,
     /// whatever their drivers and pedestrians are.
     pub fn is_beside(&self, other: &Self) -> bool {

@@ -59,7 +59,7 @@ pub fn cautions(cells: &Cells, results: &[SearchResult], searches: &[SearchCell]
         own.any(|result| result.spent.left_out > 0 || result.error.is_some())
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
-    let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget });
+    let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget() });
     off_road(cells, results).into_iter().map(Caution::OffRoad).chain(no_chance(cells)).chain(empty).collect()
 }
 

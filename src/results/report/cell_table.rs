@@ -5,12 +5,15 @@ use polars::prelude::{
 };
 
 use super::Findings;
-use super::aggregate::{CellRequirement, Counted, GATED, ProtocolCell, passed_share, score};
+use super::aggregate::{ProtocolCell, passed_share, score};
 use super::infer::{BEATS_UNTRAINED, CellEvidence, IMPACT_SPEED_P90, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key};
 use crate::tables::metrics::{IMPACT_SPEED, inferred};
-use crate::tables::{IS_FIXED_CASES, cell_columns, key_columns};
+use crate::tables::{
+    APPLIED, Cell, FAULT_VIOLATION_RATE, IS_FIXED_CASES, NO_VERDICT, REQUIREMENT, VIOLATION_RATE, cell_columns,
+    key_columns,
+};
 use base::statistics::wilson;
 use verdict::Reference;
 
@@ -55,8 +58,8 @@ pub fn gate_table(found: &Findings<'_>, requirements: &[&str]) -> PolarsResult<D
     table = beside(table, test_table().frame(&gathered.tests))?;
     table = table.lazy().with_column(col(NOT_TESTED).fill_null(lit(0.0))).collect()?;
     for name in requirements {
-        let own: Vec<CellRequirement> =
-            gathered.requirements.iter().filter(|each| each.name == *name).cloned().collect();
+        let own: Vec<Cell> =
+            gathered.requirements.iter().filter(|each| each.text(&REQUIREMENT) == *name).cloned().collect();
         table = beside(table, requirement_columns(name).frame(&own))?;
     }
     Ok(table)
@@ -101,22 +104,17 @@ fn test_table<'a>() -> Table<'a, Tested> {
         .column(number(NOT_TESTED.into(), move |row| Some(not_tested(row) as f64)))
 }
 
-/// The number of episodes in which a requirement applied, and the rates of its violations.
-fn requirement_columns<'a>(name: &str) -> Table<'a, CellRequirement> {
-    let applied = |row: &CellRequirement| Some(f64::from(row.sums(CellRequirement::ALL).1));
+/// The number of episodes in which a requirement applied, and the rates of its violations and of its faults.
+fn requirement_columns<'a>(name: &str) -> Table<'a, Cell> {
     let mut table = Table::new("requirements", "")
-        .columns(cell_key(|row: &CellRequirement| &row.key))
-        .column(number(applied_to(name), applied));
-    for (word, counted, needs_verdict) in GATED {
-        let name = format!("{word}({name})");
-        let rate = move |row: &CellRequirement, counted: Counted| {
-            (!needs_verdict || row.is_judged()).then(|| row.rate(counted))
-        };
-        table = table.column(share(&name, move |row| rate(row, counted)?.value)).columns(interval(
-            &name,
-            "wilson",
-            move |row| rate(row, counted)?.interval,
-        ));
+        .columns(cell_key(|row: &Cell| &row.key))
+        .column(number(applied_to(name), |row: &Cell| Some(row.count(&APPLIED).into())));
+    for metric in [&VIOLATION_RATE, &FAULT_VIOLATION_RATE] {
+        let name = format!("{}({name})", metric.name);
+        let is_known = move |row: &Cell| *metric == VIOLATION_RATE || row.text(&NO_VERDICT).is_empty();
+        let rate = move |row: &Cell| is_known(row).then(|| row.rate(metric));
+        let ends = interval(&name, "wilson", move |row| rate(row)?.interval);
+        table = table.column(share(&name, move |row| rate(row)?.value)).columns(ends);
     }
     table
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 
-use super::aggregate::{INSTANT, PART, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT};
+use super::aggregate::{INSTANT, PART, ROBUSTNESS, ROBUSTNESS_UNIT};
 use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{
     COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
@@ -13,6 +13,7 @@ use crate::record::columns::{
     VERDICT, WORLD,
 };
 use crate::record::{Column, Entry, RunKey, Signed, Table};
+use crate::tables::REQUIREMENT;
 use compile::{NoRunId, RunId};
 use episode::Impact;
 use verdict::cause::{Around, Cause};

@@ -4,15 +4,15 @@ use super::actors::{CastFailure, cast_failures};
 use super::caution::{Caution, cautions};
 use super::distinct::listed_findings;
 use super::{
-    Aggregates, CellEvidence, DistinctFailure, Doubt, DriverResult, ProtocolCell, PublishedComparison, SearchCell,
-    SearchComparison, beside, doubts, driver_results, layer_cells, search_cells, search_comparisons,
+    Aggregates, CellEvidence, DistinctFailure, Doubt, DriverResult, ProtocolCell, PublishedComparison, all_of_searches,
+    beside, doubts, driver_results, layer_cells, search_cells, search_pairs,
 };
 use crate::campaign::Finished;
 use crate::jobs::SearchResult;
 use crate::record::CellKey;
-use crate::tables::{Cell, Cells};
+use crate::tables::{Cell, Cells, Rows};
 use base::seed::Seed;
-use compile::Campaign;
+use compile::{Campaign, SearchKey};
 
 /// What a campaign found. Files, page, summary and gates read it and compute nothing of it again.
 #[derive(Debug)]
@@ -36,9 +36,9 @@ pub struct Findings<'a> {
     /// The results in the tests of a protocol within its layers.
     pub layers: Vec<ProtocolCell>,
     /// Searches over their runs.
-    pub searches: Vec<SearchCell>,
+    pub searches: Rows<SearchKey>,
     /// Pairs of these, run by run.
-    pub search_comparisons: Vec<SearchComparison>,
+    pub search_pairs: Rows<u64>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
     pub doubts: Vec<Doubt>,
     /// What a reader must know first.
@@ -49,10 +49,11 @@ impl<'a> Findings<'a> {
     /// Works them out.
     pub fn new(campaign: &'a Campaign, finished: &'a Finished, gathered: Aggregates, seed: &Seed, smoke: bool) -> Self {
         let (cells, evidence) = (gathered.cells.clone(), &gathered.evidence.cells);
-        let searches = search_cells(finished.all::<SearchResult>());
-        let layers = layer_cells(campaign, finished.all::<SearchResult>());
         let results = finished.all::<SearchResult>();
-        let mut drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, results, &gathered.tests);
+        let searched = all_of_searches(results);
+        let (searches, search_pairs) = (search_cells(results, &searched), search_pairs(&searched));
+        let layers = layer_cells(campaign, results);
+        let mut drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, &searched, &gathered.tests);
         if !layers.is_empty() {
             // The cases of a test are no sample of episodes.
             let searched = drivers.iter_mut().filter_map(|result| result.searched.as_mut());
@@ -66,8 +67,8 @@ impl<'a> Findings<'a> {
             drivers,
             published: beside(&campaign.published, &cells, evidence),
             layers,
-            cautions: cautions(&cells, finished.all::<SearchResult>(), &searches),
-            search_comparisons: search_comparisons(finished.all::<SearchResult>()),
+            cautions: cautions(&cells, results, &searches),
+            search_pairs,
             searches,
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,

@@ -3,12 +3,13 @@ use std::collections::BTreeMap;
 use polars::prelude::DataFrame;
 
 use super::Findings;
-use super::aggregate::{CellRequirement, Counted, SearchCell, search_cell_table};
-use super::cell_table::applied_to;
+use super::aggregate::SearchCell;
 use super::infer::{CellEvidence, IMPACT_SPEED_P90, Learning, reference_rates};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Role, Table, TableReference, cell_key};
-use crate::tables::metrics::{EPISODE_REWARD, EPISODES, MEAN, RUNS};
-use crate::tables::{self, Cell, Metric};
+use crate::tables::metrics::{EPISODE_REWARD, EPISODES, MEAN};
+use crate::tables::{
+    self, APPLIED, Cell, JUDGED, Metric, NO_VERDICT, REQUIREMENT, REQUIREMENT_METRICS, WITHOUT_VERDICT,
+};
 use base::statistics::wilson;
 use compile::SearchKey;
 use verdict::Reference;
@@ -47,7 +48,7 @@ impl<'a> Row<'a> {
 /// All that is known of each cell in one long table: a row for each metric, and one more where it has a second interval. Those of searches follow.
 pub fn metric_table(found: &Findings<'_>) -> DataFrame {
     let Findings { cells, gathered, searches, .. } = found;
-    let mut requirements: BTreeMap<&CellKey, Vec<&CellRequirement>> = BTreeMap::new();
+    let mut requirements: BTreeMap<&CellKey, Vec<&Cell>> = BTreeMap::new();
     gathered.requirements.iter().for_each(|each| requirements.entry(&each.key).or_default().push(each));
     let keys: Vec<CellKey> = searches.iter().map(|cell| cell_of(&cell.key)).collect();
     let mut rows = Vec::new();
@@ -57,7 +58,7 @@ pub fn metric_table(found: &Findings<'_>) -> DataFrame {
         if let Some(found) = evidence {
             of_evidence(cell, found, &mut rows);
         }
-        requirements.get(&cell.key).into_iter().flatten().for_each(|each| of_requirement(cell, each, &mut rows));
+        requirements.get(&cell.key).into_iter().flatten().for_each(|each| of_requirement(each, &mut rows));
     }
     // An untrained pedestrian has a mean reward for each reward of the campaign, and all else once.
     for cell in gathered.copies.iter() {
@@ -75,27 +76,23 @@ fn cell_of(key: &SearchKey) -> CellKey {
 
 /// The metrics of searches, each with its column in the table that gates judge.
 fn search_metrics() -> Vec<(ColumnReference, String)> {
-    let columns = search_cell_table().reference().columns.into_iter().skip_while(|column| column.name != RUNS.name);
     let is_end = |column: &ColumnReference| matches!(column.role, Role::LowerBound | Role::UpperBound);
-    let values = columns.skip(1).filter(|column| !is_end(column));
     let metric = |column: ColumnReference| {
         let mean = column.name.strip_suffix(&MEAN.name(""));
         let is_figure = mean.is_some_and(|mean| mean == column.figure);
         let name = if is_figure { column.figure.clone() } else { column.name.clone() };
         (ColumnReference { name, ..column.clone() }, column.name.into_owned())
     };
-    values.map(metric).collect()
+    tables::search_cell_columns().into_iter().filter(|column| !is_end(column)).map(metric).collect()
 }
 
 /// Adds the rows of searches over their runs.
 fn of_searches<'a>(searches: &[SearchCell], keys: &'a [CellKey], rows: &mut Vec<Row<'a>>) {
-    let table = search_cell_table().frame(searches);
-    for (place, (cell, key)) in searches.iter().zip(keys).enumerate() {
-        let number = |column: &str| table.column(column).ok()?.get(place).ok()?.extract::<f64>();
+    for (cell, key) in searches.iter().zip(keys) {
         for (metric, column) in search_metrics() {
-            let ends = number(&format!("{}_low", metric.name)).zip(number(&format!("{}_high", metric.name)));
+            let ends = cell.rate(&metric.name).interval;
             let interval = if ends.is_some() { "student" } else { "" };
-            let row = Row::new(key, metric, cell.runs as u64, number(&column));
+            let row = Row::new(key, metric, cell.runs()[0], cell.number(&column));
             rows.push(Row { ends, interval, ..row });
         }
     }
@@ -127,80 +124,30 @@ fn wilson_of(interval: Option<(f64, f64)>) -> &'static str {
     if interval.is_some() { "wilson" } else { "" }
 }
 
-/// Adds the rows of a requirement.
-fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Row<'a>>) {
-    let applied = found.sums(CellRequirement::ALL).1;
-    rows.push(Row::new(&cell.key, applied_metric(&found.name), found.episodes().into(), Some(f64::from(applied))));
-    for (words, counted, needs_verdict) in OF_VIOLATIONS {
-        if needs_verdict && !found.is_judged() {
-            continue;
-        }
-        let [count, rate] = violation_metrics(words, &found.name);
-        let ((part, applied), rate_of_runs) = (found.sums(counted), found.rate(counted));
-        let row = Row::new(&cell.key, count, applied.into(), (applied > 0).then_some(f64::from(part)));
-        rows.push(row.clone());
-        rows.push(Row {
-            metric: rate,
-            value: rate_of_runs.value,
-            by_run: rate_of_runs.by_run,
-            ends: rate_of_runs.interval,
-            interval: wilson_of(rate_of_runs.interval),
-            ..row
+/// Adds the rows of a requirement: those of verdicts only where its violations have one.
+fn of_requirement<'a>(cell: &'a Cell, rows: &mut Vec<Row<'a>>) {
+    let (name, applied) = (cell.text(&REQUIREMENT), cell.count(&APPLIED));
+    let shown = if cell.text(&NO_VERDICT).is_empty() { REQUIREMENT_METRICS.len() } else { WITHOUT_VERDICT };
+    for metric in &REQUIREMENT_METRICS[1..shown] {
+        let row = |of: u32, value| Row::new(&cell.key, of_name(metric, &name), of.into(), value);
+        let count = f64::from(cell.count(metric));
+        let rate = cell.rate(metric);
+        rows.push(match metric.is_count() {
+            true if **metric == APPLIED => row(cell.count(&JUDGED), Some(count)),
+            true => row(applied, (applied > 0).then_some(count)),
+            false => Row {
+                by_run: rate.by_run,
+                ends: rate.interval,
+                interval: wilson_of(rate.interval),
+                ..row(applied, rate.value)
+            },
         });
     }
 }
 
-/// Names of a number and of its rate, and what they mean of a requirement.
-type Words = [(&'static str, &'static str); 2];
-
-/// The metrics of a requirement, what they count, and whether they need a verdict.
-const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
-    (
-        [
-            (
-                "violations",
-                "number of episodes that violate that requirement of the campaign; missing if it never applied",
-            ),
-            ("violation_rate", "their share of *applied*"),
-        ],
-        CellRequirement::ALL,
-        false,
-    ),
-    (
-        [
-            ("preventable_violations", "number of these that both careful humans avoid"),
-            ("preventable_rate", "their share of *applied*"),
-        ],
-        CellRequirement::PREVENTABLE,
-        true,
-    ),
-    (
-        [
-            ("fault_violations", "number of these that count against the driver"),
-            ("fault_rate", "their share of *applied*"),
-        ],
-        CellRequirement::FAULTS,
-        true,
-    ),
-];
-
-/// The number of episodes in which a requirement applied.
-fn applied_metric(requirement: &str) -> ColumnReference {
-    let doc = "number of episodes in which the antecedent of an `implies` of that requirement held; 0: nothing is known of its violations";
-    let name = applied_to(requirement);
-    ColumnReference { name: name.clone().into(), doc: doc.into(), figure: name.into(), ..RUNS.reference() }
-}
-
-/// The metrics of a requirement: a number and a rate of its violations.
-fn violation_metrics(words: Words, requirement: &str) -> [ColumnReference; 2] {
-    words.map(|(name, doc)| ColumnReference {
-        name: format!("{name}({requirement})").into(),
-        unit: "".into(),
-        doc: doc.into(),
-        holds: polars::prelude::DataType::Float64,
-        role: Role::Plain,
-        figure: name.into(),
-    })
+/// A metric of the requirement of this name.
+fn of_name(metric: &Metric, requirement: &str) -> ColumnReference {
+    ColumnReference { name: format!("{}({requirement})", metric.name).into(), ..metric.reference() }
 }
 
 /// Adds the rows of impact speeds, of the reference drivers, and of what trainings say of each other.
@@ -264,8 +211,9 @@ pub fn metric_references() -> Vec<ColumnReference> {
     all.push(IMPACT_SPEED_P90.reference());
     all.push(TRAININGS_DISAGREE.reference());
     all.extend((0..2).flat_map(|rate| Reference::ALL.map(|reference| reference_rates(reference)[rate].clone())));
-    all.push(applied_metric("REQUIREMENT"));
+    let [_, applied, violations @ ..] = REQUIREMENT_METRICS.map(|metric| of_name(metric, "REQUIREMENT"));
+    all.push(applied);
     all.extend(search_metrics().into_iter().map(|(metric, _)| metric));
-    all.extend(OF_VIOLATIONS.into_iter().flat_map(|(words, _, _)| violation_metrics(words, "REQUIREMENT")));
+    all.extend(violations);
     all
 }

@@ -25,7 +25,6 @@ mod text_forms;
 mod staging;
 mod folder;
 mod overview;
-mod pooled;
 mod off_road;
 mod findings;
 mod grouped;
@@ -37,12 +36,12 @@ mod dossier;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
-pub use crate::tables::{Method, Rate};
+pub use crate::tables::Rate;
 pub use actors::CastFailure;
 pub(crate) use aggregate::search_table;
 pub use aggregate::{
-    Aggregates, Colour, DriverResult, Episodes, Failures, Run, SearchCell, aggregate_episodes, beside, driver_results,
-    search_cell_table, search_cells, searches, ticks, worst_failure,
+    Aggregates, Colour, DriverResult, Episodes, Failures, Run, SearchCell, aggregate_episodes, all_of_searches, beside,
+    driver_results, search_cell_reference, search_cells, searches, ticks, worst_failure,
 };
 pub use catalogue::catalogue;
 pub use caution::Caution;
@@ -58,7 +57,7 @@ pub use compare::{
     Caveat, ComparedCell, ComparedSearch, CountedEvent, PairedRate, ReportComparison, Side, compare_reports,
     compared_cells, compared_search_table, comparison_reference,
 };
-pub use overview::{Found, Overview, Variant};
+pub use overview::{Overview, Variant};
 pub use recheck::{
     CrossedStarts, Encounter, Encounters, Recheck, RecheckNote, RecheckedFailures, RerunOutcome, WalkedBy,
     crossed_reference, crossed_table, rechecked_reference, rechecked_table,
@@ -90,8 +89,7 @@ pub(crate) type Table = polars::prelude::DataFrame;
 
 // What the modules here share.
 pub(crate) use aggregate::{
-    CellRequirement, ProtocolCell, PublishedComparison, SearchComparison, SearchFailures, layer_cells, score,
-    search_comparisons,
+    ProtocolCell, PublishedComparison, SearchFailures, SearchPair, layer_cells, score, search_pairs,
 };
 pub(crate) use infer::{CellEvidence, Comparison, Evidence, EvidenceBuilder, Test};
 pub(crate) use recheck::NOT_MET;

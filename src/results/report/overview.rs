@@ -1,13 +1,13 @@
 //! Several reports of one call side by side: the variants of a matrix, and the campaigns of several files.
 
-use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
+use polars::prelude::{DataFrame, DataType, Expr, LazyFrame, NULL, PolarsResult, UnionArgs, concat, lit};
 
-use super::{Doubt, DriverResult, SearchCell};
-use crate::record::columns::WORLD;
-use crate::record::{Column, Table, in_block};
-use crate::tables::Cell;
-use crate::tables::metrics::compared;
-use compile::HERE;
+use super::{Doubt, DriverResult};
+use crate::tables::{Cells, OTHER, Rows, overview};
+use compile::SearchKey;
+
+/// The setting that tells the seeds of a call apart.
+const SEED: &str = "seed";
 
 /// The results of a report for an overview.
 #[derive(Debug, Clone)]
@@ -16,80 +16,13 @@ pub struct Variant<'a> {
     pub report: String,
     /// The settings of the campaign, as `name = value`.
     pub settings: &'a [String],
-    pub cells: &'a [Cell],
+    pub cells: &'a Cells,
     /// What was found about each driver.
     pub drivers: &'a [DriverResult],
     /// Means of its searches.
-    pub searches: &'a [SearchCell],
+    pub searches: &'a Rows<SearchKey>,
     /// The doubts about its trainings.
     pub doubts: &'a [Doubt],
-}
-
-/// What a row of an overview is about.
-#[derive(Debug, Clone, Copy)]
-pub enum Found<'a> {
-    /// A controller in a town against a driver.
-    Evaluated(&'a Cell),
-    /// A falsifier in a town against a driver.
-    Searched(&'a SearchCell),
-}
-
-/// A row of an overview: a cell of one of the reports.
-#[derive(Debug, Clone)]
-pub struct OverviewRow<'a> {
-    /// The report.
-    pub variant: &'a Variant<'a>,
-    /// The value of each parameter; `None` if the campaign does not have it.
-    pub values: Vec<Option<String>>,
-    pub found: Found<'a>,
-}
-
-impl<'a> OverviewRow<'a> {
-    /// The name of the driver.
-    pub fn driver(&self) -> &'a str {
-        match self.found {
-            Found::Evaluated(cell) => &cell.key.policy,
-            Found::Searched(cell) => &cell.key.policy,
-        }
-    }
-
-    pub fn town(&self) -> &'a str {
-        match self.found {
-            Found::Evaluated(cell) => &cell.key.town,
-            Found::Searched(cell) => &cell.key.town,
-        }
-    }
-
-    /// The simulator in which the car drove.
-    pub fn world(&self) -> &'a str {
-        match self.found {
-            Found::Evaluated(cell) => &cell.key.world,
-            Found::Searched(_) => HERE,
-        }
-    }
-
-    /// Its report, block, car, body and simulator, which tell cells of one name apart.
-    pub fn block_in_words(&self) -> String {
-        let report = &self.variant.report;
-        match self.found {
-            Found::Evaluated(Cell { key, .. }) => {
-                format!("{report}{}, {}, {}, {}", in_block(key.block), key.vehicle, key.adversary, key.world)
-            }
-            Found::Searched(cell) => format!("{report}{}", in_block(cell.key.block)),
-        }
-    }
-
-    /// The controller with its reward, and with its training where that was elsewhere; or the falsifier.
-    pub fn who(&self) -> String {
-        match self.found {
-            Found::Searched(cell) => cell.key.falsifier.clone(),
-            Found::Evaluated(cell) => {
-                let key = &cell.key;
-                let is_home = (&key.town, &key.policy) == (&key.train_town, &key.train_policy);
-                if is_home { format!("{} {}", key.controller, key.reward) } else { key.who() }
-            }
-        }
-    }
 }
 
 /// The reports of a call side by side.
@@ -99,12 +32,15 @@ pub struct Overview<'a> {
     pub parameters: Vec<&'a str>,
     pub variants: &'a [Variant<'a>],
     /// A row for each cell and each cell of searches of each report, in the order in which the reports were made.
-    pub rows: Vec<OverviewRow<'a>>,
+    rows: DataFrame,
 }
 
 impl<'a> Overview<'a> {
     /// Puts reports side by side.
-    pub fn new(variants: &'a [Variant<'a>]) -> Self {
+    ///
+    /// # Errors
+    /// Those of polars; none.
+    pub fn new(variants: &'a [Variant<'a>]) -> PolarsResult<Self> {
         let mut parameters: Vec<&str> = Vec::new();
         for (name, _) in variants.iter().flat_map(|variant| variant.settings).filter_map(|setting| parts(setting)) {
             let first = variants.first().and_then(|variant| value(variant, name));
@@ -112,13 +48,19 @@ impl<'a> Overview<'a> {
                 parameters.push(name);
             }
         }
-        let mut this = Self { parameters, variants, rows: Vec::new() };
-        for variant in variants {
-            let values = this.values(variant);
-            let found = variant.cells.iter().map(Found::Evaluated).chain(variant.searches.iter().map(Found::Searched));
-            this.rows.extend(found.map(|found| OverviewRow { variant, values: values.clone(), found }));
-        }
-        this
+        let tables = variants.iter().flat_map(|variant| {
+            let tables = [(variant.cells.table(), false), (variant.searches.table(), true)].into_iter();
+            let more = columns(variant, &parameters);
+            tables
+                .filter(|(table, _)| table.height() > 0)
+                .map(move |(table, are_searches)| overview::rows(table, are_searches, more.clone()))
+        });
+        let tables: Vec<LazyFrame> = tables.collect();
+        let rows = match tables.is_empty() {
+            true => overview::no_rows(&parameters)?,
+            false => concat(tables, UnionArgs::default())?.collect()?,
+        };
+        Ok(Self { parameters, variants, rows })
     }
 
     /// The value of each parameter in a report; `None` if its campaign does not have it.
@@ -131,84 +73,61 @@ impl<'a> Overview<'a> {
     /// # Errors
     /// Those of polars, for two parameters of one name.
     pub fn table(&self) -> PolarsResult<DataFrame> {
-        let mut frame = columns().frame(&self.rows);
-        for (place, name) in self.parameters.iter().enumerate() {
-            let values: Vec<Option<&str>> = self.rows.iter().map(|row| row.values[place].as_deref()).collect();
-            frame.with_column(Series::new((*name).into(), values).into())?;
+        let mut table = self.rows.select(overview::file_columns())?;
+        for name in &self.parameters {
+            table.with_column(self.rows.column(&overview::setting_column(name))?.clone().with_name((*name).into()))?;
         }
-        Ok(frame)
+        Ok(table)
+    }
+
+    /// Whether the rows differ in a column.
+    pub fn varies(&self, column: &str) -> bool {
+        self.rows.column(column).and_then(polars::prelude::Column::n_unique).is_ok_and(|values| values > 1)
+    }
+
+    /// The parameters but the seed.
+    pub fn settings(&self) -> Vec<String> {
+        self.parameters.iter().filter(|name| **name != SEED).map(ToString::to_string).collect()
+    }
+
+    /// Whether there are several seeds.
+    pub fn has_seeds(&self) -> bool {
+        self.parameters.contains(&SEED) && self.rows.height() > 0
+    }
+
+    /// The rows that differ in the seed alone, together, by their numbers; empty for a single seed.
+    ///
+    /// # Errors
+    /// Those of polars; none.
+    pub fn over_seeds(&self) -> PolarsResult<Rows<u32>> {
+        if !self.has_seeds() {
+            return Ok(Rows::default());
+        }
+        Rows::new(overview::over_seeds(&self.rows, &self.settings())?, |table, row| overview::group(table, row, ""))
+    }
+
+    /// The pairs of these in one town against one driver: a later one and an earlier one, or, without `all`, the first.
+    ///
+    /// # Errors
+    /// Those of polars; none.
+    pub fn seed_pairs(&self, all: bool) -> PolarsResult<Rows<[u32; 2]>> {
+        if !self.has_seeds() {
+            return Ok(Rows::default());
+        }
+        let pairs = overview::seed_pairs(&self.rows, &self.settings(), all)?;
+        Rows::new(pairs, |table, row| Ok([overview::group(table, row, "")?, overview::group(table, row, OTHER)?]))
     }
 }
 
-/// The columns of an overview, without those of the parameters.
-fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
-    type Row<'a> = OverviewRow<'a>;
-    let number = Column::<f64>::new;
-    let cell = |row: &Row<'a>| if let Found::Evaluated(cell) = row.found { Some(cell) } else { None };
-    let searched = |row: &Row<'a>| if let Found::Searched(cell) = row.found { Some(cell) } else { None };
-    let mut table = Table::<Row<'a>>::new(
-        "overview",
-        "One row for each cell of each report of a call: a pedestrian or a search in a town against a driver.",
-    )
-    .text("report", "folder of the report", |row| row.variant.report.clone())
-    .text("driver", "name of the driver", |row| row.driver().to_string())
-    .text("town", "name of the town", |row| row.town().to_string())
-    .column(WORLD.of(|row: &Row<'a>| row.world().to_string()))
-    .text("pedestrian", "the pedestrian; empty for a search", move |row| {
-        cell(row).map_or(String::new(), |cell| cell.key.controller.clone())
-    })
-    .text("reward", "its reward; empty for a search", move |row| {
-        cell(row).map_or(String::new(), |cell| cell.key.reward.clone())
-    })
-    .text("training", "town and driver of its training; empty without one", move |row| {
-        let key = cell(row).map(|cell| &cell.key).filter(|key| key.is_trained());
-        key.map_or(String::new(), |key| format!("{}, {}", key.train_town, key.train_policy))
-    })
-    .text("method", "the search; empty for a pedestrian", move |row| {
-        searched(row).map_or(String::new(), |cell| cell.key.falsifier.clone())
-    })
-    .column(Column::<u64>::new("runs", "", "number of its runs").of(|row: &Row<'a>| match row.found {
-        Found::Evaluated(cell) => u64::from(cell.runs()),
-        Found::Searched(cell) => cell.runs as u64,
-    }));
-    for metric in compared().rev() {
-        let name = metric.name;
-        let of = move |row: &Row<'a>| cell(row).map(|cell| cell.rate(metric));
-        let sd = number("", "", "its standard deviation over runs; missing for one");
-        let low = number("", "", "lower end of its 95 % interval over starts (Wilson)");
-        table = table
-            .number(name, "mean over the runs", move |row| of(row)?.value)
-            .column(sd.of(move |row: &Row<'a>| of(row)?.sd).named(format!("{name}_sd")))
-            .column(low.of(move |row: &Row<'a>| Some(of(row)?.interval?.0)).named(format!("{name}_wilson_low")))
-            .column(
-                number("", "", "upper end of the same")
-                    .of(move |row: &Row<'a>| Some(of(row)?.interval?.1))
-                    .named(format!("{name}_wilson_high")),
-            );
-    }
-    let average = move |of: fn(&SearchCell) -> Option<f64>| move |row: &Row<'a>| searched(row).and_then(of);
-    table
-        .number(
-            "search_faults_start_rate",
-            "share of starts from which the search found a fault",
-            average(|cell| cell.fault_start_rate.value),
-        )
-        .number(
-            "search_faults_start_rate_low",
-            "lower end of its 95 % interval (Student, over runs in that town); missing for fewer than four",
-            average(|cell| Some(cell.fault_start_rate.interval?.0)),
-        )
-        .number(
-            "search_faults_start_rate_high",
-            "upper end of the same",
-            average(|cell| Some(cell.fault_start_rate.interval?.1)),
-        )
-        .number(
-            "search_failed_starts",
-            "starts from which it found a failure, mean over runs",
-            average(|cell| cell.failed_starts.value),
-        )
-        .number("search_starts", "starts from which it searched, mean over runs", average(|cell| cell.starts.value))
+/// The columns that all rows of a report share.
+fn columns(variant: &Variant<'_>, parameters: &[&str]) -> Vec<Expr> {
+    let text = |value: Option<&str>| value.map_or_else(|| lit(NULL).cast(DataType::String), |value| lit(value));
+    let seed = value(variant, SEED);
+    let campaign = variant.report.replace(&format!("-seed-{}", seed.unwrap_or_default()), "");
+    let settings = parameters.iter().map(|name| text(value(variant, name)).alias(overview::setting_column(name)));
+    let report = lit(&*variant.report).alias(overview::REPORT);
+    let own = [report, lit(campaign).alias(overview::CAMPAIGN), text(seed).alias(overview::SEED)];
+    own.into_iter().chain(settings).collect()
 }
 
 /// A setting's name and value.
@@ -231,7 +150,8 @@ fn value<'a>(variant: &Variant<'a>, name: &str) -> Option<&'a str> {
 mod tests {
     use super::*;
     use crate::record::CellKey;
-    use crate::report::{Method, Rate};
+    use crate::report::Rate;
+    use crate::tables::Cell;
     use crate::tables::metrics::COLLISION_RATE;
 
     #[test]
@@ -246,10 +166,11 @@ mod tests {
                 ..CellKey::default()
             };
             let ends = Some((collision - 0.1, collision + 0.1));
-            let rate = Rate { sd, ..Rate::single(collision) }.within(ends, Method::Wilson);
+            let rate = Rate { sd, ..Rate::single(collision) }.within(ends);
             Cell::example(key, &[], &[(&COLLISION_RATE, rate)])
         };
-        let cells = [cell("trained", 0.2, Some(0.03)), cell("random", 0.5, None)];
+        let cells = Cells::example(&[cell("trained", 0.2, Some(0.03)), cell("random", 0.5, None)]);
+        let searches = Rows::default();
         let settings = [3, 8].map(|weight| vec!["same = 1".to_string(), format!("weight = {weight}")]);
         let variants: Vec<Variant<'_>> = settings
             .iter()
@@ -258,18 +179,16 @@ mod tests {
                 settings,
                 cells: &cells,
                 drivers: &[],
-                searches: &[],
+                searches: &searches,
                 doubts: &[],
             })
             .collect();
-        let overview = Overview::new(&variants);
+        let overview = Overview::new(&variants).unwrap();
         assert_eq!(overview.parameters, ["weight"]);
-        assert_eq!(overview.rows.len(), 4, "two values, two controllers");
-        assert_eq!(overview.rows[2].values, [Some("8".to_string())]);
-        assert_eq!(overview.rows[3].who(), "random r");
         let table = overview.table().unwrap();
-        assert_eq!(table.height(), 4);
-        assert_eq!(table.column("weight").unwrap().str().unwrap().get(0), Some("3"));
+        assert_eq!(table.height(), 4, "two values, two controllers");
+        assert_eq!(table.column("weight").unwrap().str().unwrap().get(2), Some("8"));
+        assert_eq!(overview.rows.column(overview::WHO).unwrap().str().unwrap().get(3), Some("random r"));
         assert_eq!(table.column("world").unwrap().str().unwrap().get(0), Some("there"));
         assert_eq!(table.column("collision_rate_sd").unwrap().f64().unwrap().get(1), None);
     }

@@ -1,11 +1,11 @@
 use super::actors::{ACTORS, actors};
 use super::aggregate::{PROTOCOL, RESULTS, protocol_table, results};
 use super::dossier::dossier;
-use super::infer::ComparedRow;
+use super::infer::{COMPARISONS, comparisons};
 use super::metric_table::{METRICS, metric_table};
 use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
-use super::{DOSSIER, FIGURES, Findings, Manifest, ReportFolder, WriteError, infer, town_map};
+use super::{DOSSIER, FIGURES, Findings, Manifest, ReportFolder, WriteError, town_map};
 use crate::jobs::KINDS;
 use base::seed::Seed;
 
@@ -24,9 +24,7 @@ pub fn write(
     let evidence = &gathered.evidence;
     folder.table(RESULTS, &results(found))?;
     folder.table(METRICS, &metric_table(found))?;
-    let cells = evidence.comparisons.iter().map(ComparedRow::from);
-    let compared: Vec<ComparedRow> = cells.chain(found.search_comparisons.iter().map(ComparedRow::from)).collect();
-    folder.table("comparisons", &infer::comparison_table().frame(&compared))?;
+    folder.table(COMPARISONS, &comparisons(&evidence.comparisons, found.search_pairs.table()))?;
     for (name, table) in KINDS.iter().filter_map(|kind| (kind.tables)(found)).flatten() {
         folder.table(name, &table)?;
     }

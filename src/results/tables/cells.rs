@@ -1,13 +1,11 @@
 use std::ops::Deref;
-use std::sync::Arc;
 
-use polars::prelude::{
-    Column as Values, DataFrame, DataType, Expr, IntoLazy, NamedFrom, PolarsResult, Series, SortMultipleOptions, col,
-    len,
-};
+use polars::prelude::{DataFrame, DataType, Expr, IntoLazy, PolarsResult, SortMultipleOptions, col, len, lit};
 
 use super::metrics::{MEAN, METRICS, RUNS};
-use super::{Method, Metric, Rate};
+use super::requirements::APPLIED;
+use super::statistics::{interval, over_runs};
+use super::{Metric, Rate, Row, Rows};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::record::{CellKey, Column, ColumnReference, Role, Table, cell_key};
 use base::statistics::{ClusteredCount, wilson};
@@ -22,10 +20,12 @@ pub(super) const IS_COPY: Column<bool> =
 /// The cells of a campaign, in the order of first appearance: all runs that differ in their number alone.
 #[derive(Debug, Clone, Default)]
 pub struct Cells {
-    table: Arc<DataFrame>,
-    cells: Vec<Cell>,
+    rows: Rows<CellKey>,
     varied: Varied,
 }
+
+/// A row of the table of cells.
+pub type Cell = Row<CellKey>;
 
 /// Which parts of the key differ between cells.
 #[derive(Debug, Clone, Copy, Default)]
@@ -37,45 +37,28 @@ pub struct Varied {
     pub training: bool,
 }
 
-/// A row of the table of cells.
-#[derive(Debug, Clone, Default)]
-pub struct Cell {
-    pub key: CellKey,
-    table: Arc<DataFrame>,
-    row: usize,
-}
-
 impl Cells {
-    /// The cells of a table of runs. Of each metric they have the sum over the runs, or mean, deviation and the values of the runs; of a share, the interval over
-    /// the starts, which the runs share.
+    /// The cells of a table of runs, or one for each value of further columns of them. Of each metric they have the sum over the runs, or mean, deviation and the
+    /// values of the runs; of a share, the interval over the starts, which the runs share.
     ///
     /// # Errors
     /// Those of polars; none for a table of runs.
-    pub(super) fn new(runs: &DataFrame) -> PolarsResult<Self> {
+    pub(super) fn new(runs: &DataFrame, metrics: &[&Metric], by: &[&str]) -> PolarsResult<Self> {
         if runs.height() == 0 {
             return Ok(Self::default());
         }
         let keys = key_columns();
-        let groups: Vec<Expr> =
-            keys.iter().map(String::as_str).chain([IS_FIXED_CASES.name, IS_COPY.name]).map(col).collect();
-        let mut table = runs.clone().lazy().group_by_stable(groups).agg(aggregates()).collect()?;
-        for metric in METRICS.into_iter().filter(|metric| metric.is_share()) {
-            let ends = intervals(&table, metric)?;
-            for (name, place) in [("low", 0), ("high", 1)] {
-                let end: Vec<Option<f64>> = ends.iter().map(|ends| ends.map(|ends| [ends.0, ends.1][place])).collect();
-                table.with_column(Values::from(Series::new(format!("{}_wilson_{name}", metric.name).into(), end)))?;
-            }
-        }
-        Self::of(table)
+        let groups =
+            keys.iter().map(String::as_str).chain([IS_FIXED_CASES.name, IS_COPY.name]).chain(by.iter().copied());
+        let groups: Vec<Expr> = groups.map(col).collect();
+        Self::of(runs.clone().lazy().group_by_stable(groups).agg(aggregates(metrics)).collect()?)
     }
 
     /// The rows of a table.
     fn of(table: DataFrame) -> PolarsResult<Self> {
-        let table = Arc::new(table);
-        let cell = |row| Ok(Cell { key: CellKey::read(&table, row)?, table: table.clone(), row });
-        let cells = (0..table.height()).map(cell).collect::<PolarsResult<Vec<Cell>>>()?;
-        let varied = Varied::of(&cells);
-        Ok(Self { table, cells, varied })
+        let rows = Rows::new(table, CellKey::read)?;
+        let varied = Varied::of(&rows);
+        Ok(Self { rows, varied })
     }
 
     /// Those that count, and those of untrained pedestrians that walked the same for an earlier reward, which would count twice.
@@ -83,10 +66,10 @@ impl Cells {
     /// # Errors
     /// Those of polars; none.
     pub(super) fn without_copies(&self) -> PolarsResult<[Self; 2]> {
-        if self.cells.is_empty() {
+        if self.is_empty() {
             return Ok([Self::default(), Self::default()]);
         }
-        let of = |rows: Expr| Self::of(self.table.as_ref().clone().lazy().filter(rows).collect()?);
+        let of = |rows: Expr| Self::of(self.table().clone().lazy().filter(rows).collect()?);
         Ok([of(col(IS_COPY.name).not())?, of(col(IS_COPY.name))?])
     }
 
@@ -95,12 +78,12 @@ impl Cells {
     /// # Panics
     /// Never: the table has these columns.
     pub fn sums<const N: usize>(&self, by: &[Column<String>], counts: &[&Metric; N]) -> Vec<(CellKey, [u64; N])> {
-        if self.cells.is_empty() {
+        if self.is_empty() {
             return Vec::new();
         }
         let keys: Vec<Expr> = by.iter().map(|column| col(column.name)).collect();
         let sums: Vec<Expr> = counts.iter().map(|count| col(count.name).cast(DataType::UInt64).sum()).collect();
-        let table = self.table.as_ref().clone().lazy().group_by_stable(keys.clone()).agg(sums);
+        let table = self.table().clone().lazy().group_by_stable(keys.clone()).agg(sums);
         let table =
             table.sort_by_exprs(keys, SortMultipleOptions::default()).collect().expect("the table has these columns");
         let count = |row: usize, name: &str| table.column(name).ok()?.u64().ok()?.get(row);
@@ -115,11 +98,6 @@ impl Cells {
     /// Which parts of the key differ.
     pub fn varied(&self) -> Varied {
         self.varied
-    }
-
-    /// The table.
-    pub fn table(&self) -> &DataFrame {
-        &self.table
     }
 }
 
@@ -139,10 +117,10 @@ impl Varied {
 }
 
 impl Deref for Cells {
-    type Target = [Cell];
+    type Target = Rows<CellKey>;
 
-    fn deref(&self) -> &[Cell] {
-        &self.cells
+    fn deref(&self) -> &Rows<CellKey> {
+        &self.rows
     }
 }
 
@@ -180,58 +158,50 @@ pub fn cell_columns() -> Vec<ColumnReference> {
 }
 
 /// What becomes of the runs of a cell.
-fn aggregates() -> Vec<Expr> {
-    let mut all = vec![len().alias(RUNS.name)];
-    for metric in METRICS {
-        let value = || col(metric.name);
-        all.push(if metric.is_count() { value().sum() } else { value().mean().alias(MEAN.name(metric.name)) });
-        if !metric.is_count() {
-            all.push(value().std(1).alias(format!("{}_sd", metric.name)));
-            all.push(value().drop_nulls().alias(by_run(metric)));
-            all.push(col(metric.part_column()).sum());
+fn aggregates(metrics: &[&Metric]) -> Vec<Expr> {
+    let of = |metric: &&Metric| {
+        let part = || col(metric.part_column());
+        let Some(whole) = metric.whole else { return vec![part().sum()] };
+        let mut all = vec![part().sum()];
+        all.extend(over_runs(metric.name, col(metric.name)));
+        if metric.is_share() {
+            let counts = [part(), col(whole.name), col(IS_FIXED_CASES.name)];
+            // A run in which a requirement never applied says nothing about it.
+            let counts = match *whole == APPLIED {
+                true => counts.map(|count| count.filter(col(whole.name).gt(lit(0)))),
+                false => counts,
+            };
+            all.extend(interval(&format!("{}_wilson", metric.name), counts, wilson_of_runs));
         }
-    }
-    all
-}
-
-/// The column of the values of the runs that have one.
-fn by_run(metric: &Metric) -> String {
-    format!("{}_by_run", metric.name)
-}
-
-/// Wilson's interval of a share in each cell. The runs share their starts, so a start counts once.
-fn intervals(table: &DataFrame, metric: &Metric) -> PolarsResult<Vec<Option<(f64, f64)>>> {
-    let whole = metric.whole.map_or(metric.name, |whole| whole.name);
-    let (parts, wholes) = (table.column(&metric.part_column())?.u32()?, table.column(whole)?.u32()?);
-    let (runs, of_cases) = (table.column(RUNS.name)?.u32()?, IS_FIXED_CASES.read(table)?);
-    let ends = |row: usize| {
-        let runs = f64::from(runs.get(row)?);
-        let starts = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(runs);
-        (of_cases.get(row) == Some(false)).then_some(wilson(starts(parts.get(row)?), starts(wholes.get(row)?)))
+        all
     };
-    Ok((0..table.height()).map(ends).collect())
+    std::iter::once(len().alias(RUNS.name)).chain(metrics.iter().flat_map(of)).collect()
 }
 
-impl Cell {
+/// Wilson's interval of a share in the runs of a cell; none of the cases of a test. The runs share their starts, so a start counts once.
+fn wilson_of_runs([parts, wholes, is_fixed_cases]: [&[f64]; 3]) -> Option<(f64, f64)> {
+    let sum = |counts: &[f64]| ClusteredCount::from(counts.iter().sum::<f64>() as u64).of_clusters(counts.len() as f64);
+    (is_fixed_cases.first() == Some(&0.0)).then(|| wilson(sum(parts), sum(wholes)))
+}
+
+impl Row<CellKey> {
     /// Whether its episodes are the cases of a test: its rates have no interval.
     pub fn is_fixed_cases(&self) -> bool {
-        IS_FIXED_CASES.value(&self.table, self.row).is_ok_and(|is| is == Some(true))
+        self.holds(&IS_FIXED_CASES)
     }
 
     pub fn runs(&self) -> u32 {
-        RUNS.value(&self.table, self.row).ok().flatten().unwrap_or_default()
+        self.whole_number(RUNS.name)
     }
 
     /// A count over all runs.
     pub fn count(&self, metric: &Metric) -> u32 {
-        let count = || self.table.column(metric.name).ok()?.u32().ok()?.get(self.row);
-        count().unwrap_or_default()
+        self.whole_number(metric.name)
     }
 
     /// The sum of which a share is the ratio.
     pub fn part(&self, metric: &Metric) -> u32 {
-        let count = || self.table.column(&metric.part_column()).ok()?.u32().ok()?.get(self.row);
-        count().unwrap_or_default()
+        self.whole_number(&metric.part_column())
     }
 
     /// The sum to which a metric is a ratio.
@@ -241,44 +211,20 @@ impl Cell {
 
     /// A mean or a share over the runs, with its interval over the starts.
     pub fn rate(&self, metric: &Metric) -> Rate {
-        let number = |name: String| self.table.column(&name).ok()?.f64().ok()?.get(self.row);
-        let by_run = || {
-            Some(
-                self.table
-                    .column(&by_run(metric))
-                    .ok()?
-                    .list()
-                    .ok()?
-                    .get_as_series(self.row)?
-                    .f64()
-                    .ok()?
-                    .into_no_null_iter()
-                    .collect(),
-            )
-        };
-        let ends = ["low", "high"].map(|end| number(format!("{}_wilson_{end}", metric.name)));
-        let rate = Rate {
-            value: number(MEAN.name(metric.name)),
-            sd: number(format!("{}_sd", metric.name)),
-            by_run: by_run().unwrap_or_default(),
-            ..Rate::default()
-        };
-        match ends {
-            [Some(low), Some(high)] => rate.within(Some((low, high)), Method::Wilson),
-            _ => rate,
-        }
+        self.figure(metric.name, "_wilson")
     }
 
     /// The mean of a metric over the runs.
     pub fn value(&self, metric: &Metric) -> Option<f64> {
-        self.table.column(&MEAN.name(metric.name)).ok()?.f64().ok()?.get(self.row)
+        self.number(&MEAN.name(metric.name))
     }
 }
 
 #[cfg(test)]
-impl Cell {
+impl Row<CellKey> {
     /// A cell with these counts and these means, which is neither a test nor a copy.
     pub fn example(key: CellKey, counts: &[(&Metric, u32)], rates: &[(&Metric, Rate)]) -> Self {
+        use polars::prelude::{Column as Values, NamedFrom, Series};
         let mut table =
             Table::<CellKey>::new("", "").columns(cell_key(|key: &CellKey| key)).frame(std::slice::from_ref(&key));
         let mut add = |column: Series| table.with_column(Values::from(column)).map(|_| ()).unwrap();
@@ -299,7 +245,7 @@ impl Cell {
             add(Series::new(format!("{}_wilson_low", metric.name).into(), [rate.interval.map(|ends| ends.0)]));
             add(Series::new(format!("{}_wilson_high", metric.name).into(), [rate.interval.map(|ends| ends.1)]));
         }
-        Self { key, table: Arc::new(table), row: 0 }
+        Cells::of(table).unwrap()[0].clone()
     }
 }
 
@@ -307,8 +253,8 @@ impl Cell {
 impl Cells {
     /// A table of these cells.
     pub fn example(cells: &[Cell]) -> Self {
-        let mut table = cells[0].table.as_ref().clone();
-        cells[1..].iter().for_each(|cell| table.vstack_mut(&cell.table).map(|_| ()).unwrap());
+        let mut table = cells[0].table().clone();
+        cells[1..].iter().for_each(|cell| table.vstack_mut(cell.table()).map(|_| ()).unwrap());
         table.rechunk_mut();
         Self::of(table).unwrap()
     }
@@ -366,7 +312,7 @@ mod tests {
     /// The cells of the runs of these episodes.
     fn cells_of(rows: &[EpisodeRow]) -> Cells {
         let parts: Vec<&[EpisodeRow]> = rows.chunk_by(|one, next| one.key == next.key).collect();
-        Cells::new(&runs(&parts)).unwrap()
+        Cells::new(&runs(&parts), &METRICS, &[]).unwrap()
     }
 
     #[test]
@@ -382,7 +328,7 @@ mod tests {
             row(1, 3, None),
         ];
         let cells = cells_of(&rows);
-        let [cell] = &*cells else { panic!("one cell") };
+        let [cell] = &**cells else { panic!("one cell") };
         assert_eq!((cell.runs(), cell.count(&EPISODES)), (2, 8));
         let near = |metric: &Metric, mean: f64, sd: f64| {
             let rate = cell.rate(metric);

@@ -81,11 +81,16 @@ pub const METRICS: [&Metric; 33] = [
 pub(super) const HIDDEN: [&Metric; 1] = [&LANE_EPISODES];
 
 impl Metric {
-    const fn count(name: &'static str, doc: &'static str, part: fn() -> Expr) -> Self {
+    pub(super) const fn count(name: &'static str, doc: &'static str, part: fn() -> Expr) -> Self {
         Self { name, unit: "", doc, role: Role::Plain, part, whole: None, counted: None, inference: Inference::None }
     }
 
-    const fn share(name: &'static str, part: &'static Self, whole: &'static Self, doc: &'static str) -> Self {
+    pub(super) const fn share(
+        name: &'static str,
+        part: &'static Self,
+        whole: &'static Self,
+        doc: &'static str,
+    ) -> Self {
         Self {
             name,
             unit: "",

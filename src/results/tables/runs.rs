@@ -4,6 +4,7 @@ use polars::prelude::{
 
 use super::cells::{IS_COPY, IS_FIXED_CASES};
 use super::metrics::{HIDDEN, METRICS};
+use super::requirements::{NO_VERDICT, REQUIREMENT, REQUIREMENT_METRICS};
 use super::{Cells, Metric};
 use crate::record::columns::{RUN, RUN_ID};
 use crate::record::{DEGREES, RunKey, Table, cell_key};
@@ -15,8 +16,12 @@ const ROWS: usize = 10_000;
 const PLACE: &str = "place";
 
 /// The runs of a campaign, from their episodes, in memory that does not grow with these.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Runs {
+    /// The metrics of which sums are kept.
+    metrics: Vec<&'static Metric>,
+    /// Columns of the episodes besides, each value of which has a row of its own in each run.
+    by: &'static [&'static str],
     keys: Vec<(RunKey, bool, bool)>,
     /// Episodes that are not summed yet, and their number.
     waiting: Vec<DataFrame>,
@@ -25,7 +30,22 @@ pub struct Runs {
     sums: Vec<DataFrame>,
 }
 
+impl Default for Runs {
+    fn default() -> Self {
+        Self::new(METRICS.into_iter().chain(HIDDEN).collect(), &[])
+    }
+}
+
 impl Runs {
+    fn new(metrics: Vec<&'static Metric>, by: &'static [&'static str]) -> Self {
+        Self { metrics, by, keys: Vec::new(), waiting: Vec::new(), rows: 0, sums: Vec::new() }
+    }
+
+    /// Those of the requirements of a campaign, from the table of requirements in their episodes.
+    pub fn of_requirements() -> Self {
+        Self::new(REQUIREMENT_METRICS.into(), &[REQUIREMENT.name, NO_VERDICT.name])
+    }
+
     /// Begins a run, whose episodes follow.
     pub fn begin(&mut self, key: &RunKey, is_fixed_cases: bool, is_copy: bool) {
         self.keys.push((key.clone(), is_fixed_cases, is_copy));
@@ -50,8 +70,9 @@ impl Runs {
         let parts: Vec<_> = self.waiting.drain(..).map(IntoLazy::lazy).collect();
         self.rows = 0;
         if !parts.is_empty() {
-            let sums: Vec<Expr> = summed().map(|metric| (metric.part)().sum().alias(metric.part_column())).collect();
-            self.sums.push(concat(parts, UnionArgs::default())?.group_by_stable([col(PLACE)]).agg(sums).collect()?);
+            let sum = |metric: &&Metric| (metric.part)().sum().alias(metric.part_column());
+            let sums: Vec<Expr> = self.metrics.iter().map(sum).collect();
+            self.sums.push(concat(parts, UnionArgs::default())?.group_by_stable(self.groups()).agg(sums).collect()?);
         }
         Ok(())
     }
@@ -68,15 +89,16 @@ impl Runs {
             .column(RUN.of(|row: &(RunKey, bool, bool)| row.0.run))
             .column(IS_FIXED_CASES.of(|row: &(RunKey, bool, bool)| row.1))
             .column(IS_COPY.of(|row: &(RunKey, bool, bool)| row.2));
+        let (groups, metrics) = (self.groups(), self.metrics);
         let parts: Vec<_> = self.sums.into_iter().map(IntoLazy::lazy).collect();
         if parts.is_empty() {
             return Ok(keys.frame(&[]));
         }
-        let sums = summed().map(|metric| col(metric.part_column()).sum());
+        let sums: Vec<Expr> = metrics.iter().map(|metric| col(metric.part_column()).sum()).collect();
         let values: Vec<Expr> =
-            METRICS.iter().filter(|metric| !metric.is_count()).map(|metric| value(metric)).collect();
-        let sums = concat(parts, UnionArgs::default())?.group_by_stable([col(PLACE)]).agg(sums.collect::<Vec<_>>());
-        let sums = sums.with_columns(values).collect()?;
+            metrics.iter().filter(|metric| !metric.is_count()).map(|metric| value(metric)).collect();
+        let sums =
+            concat(parts, UnionArgs::default())?.group_by_stable(groups).agg(sums).with_columns(values).collect()?;
         let places: Vec<u32> = sums.column(PLACE)?.u32()?.into_no_null_iter().collect();
         let found: Vec<_> = places.iter().map(|place| self.keys[*place as usize].clone()).collect();
         keys.frame(&found).hstack(sums.drop(PLACE)?.columns())
@@ -87,13 +109,13 @@ impl Runs {
     /// # Errors
     /// As [`Runs::add`].
     pub fn cells(self) -> PolarsResult<[Cells; 2]> {
-        Cells::new(&self.table()?)?.without_copies()
+        let (metrics, by) = (self.metrics.clone(), self.by);
+        Cells::new(&self.table()?, &metrics, by)?.without_copies()
     }
-}
 
-/// The metrics of which sums are kept.
-fn summed() -> impl Iterator<Item = &'static Metric> {
-    METRICS.into_iter().chain(HIDDEN)
+    fn groups(&self) -> Vec<Expr> {
+        std::iter::once(PLACE).chain(self.by.iter().copied()).map(col).collect()
+    }
 }
 
 /// The value of a ratio in a run; missing where its whole is 0.

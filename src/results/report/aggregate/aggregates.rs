@@ -3,9 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::protocol::{ProtocolCell, ProtocolRun};
-use super::requirements::{
-    CellRequirement, REQUIREMENTS, RequirementRow, Violations, add_run, requirement_rows, requirement_table,
-};
+use super::requirements::{REQUIREMENTS, RequirementRow, judged_table, requirement_rows, requirement_table};
 use super::{Episodes, Failures, Run};
 use crate::failure::Failure;
 use crate::jobs::SearchResult;
@@ -53,7 +51,7 @@ pub struct Aggregates {
     /// The same by the cell of the campaign, with those that are equal.
     pub tests: Vec<(CellKey, Vec<ProtocolCell>)>,
     /// The violations of each requirement in each cell; empty without requirements.
-    pub requirements: Vec<CellRequirement>,
+    pub requirements: Cells,
 }
 
 /// Reads all episodes once: writes the tables `episodes`, `failures` and `requirements`, and gathers the data of all other outputs.
@@ -67,7 +65,7 @@ pub fn aggregate_episodes(
 ) -> Result<Aggregates, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
     let mut gathered = Aggregates { all_tried: true, ..Aggregates::default() };
-    let (mut evidence, mut runs) = (EvidenceBuilder::default(), Runs::default());
+    let (mut evidence, mut runs, mut judged) = (EvidenceBuilder::default(), Runs::default(), Runs::of_requirements());
     let mut walked: BTreeSet<(CellKey, u32)> = BTreeSet::new();
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     let none = record::episodes(&[]);
@@ -85,7 +83,6 @@ pub fn aggregate_episodes(
     for run in episodes.runs() {
         let evaluation = run.evaluation;
         let named = &*evaluation.scenario.requirements;
-        let mut violations = vec![Violations::default(); named.len()];
         let mut protocol = ProtocolRun::new(evaluation);
         // A run of one part is decoded once, a longer one twice: it need not fit in memory.
         let single: Option<Vec<DataFrame>> =
@@ -101,6 +98,7 @@ pub fn aggregate_episodes(
         let mut tried = 0;
         let is_copy = !walked.insert(run.key.of_any_reward());
         runs.begin(&run.key, is_fixed_cases, is_copy);
+        judged.begin(&run.key, is_fixed_cases, is_copy);
         for part in parts() {
             let mut part = part.map_err(failed)?;
             tried += part.height();
@@ -145,16 +143,13 @@ pub fn aggregate_episodes(
                 gathered.note_starts(evaluation, &episodes);
             }
             gathered.failures.add(&run.key, &episodes);
-            for (index, row) in degrees.iter().enumerate().filter(|(_, row)| row.counts) {
-                violations[index % named.len()].add(row);
-            }
+            judged.add(&judged_table().frame(&degrees)).map_err(failed)?;
             gathered.failures.add_violations(&run.key.cell, &degrees);
         }
         gathered.all_tried &= tried == evaluation.episodes as usize;
         if tried > 0 && !is_copy {
-            add_run(&mut gathered.requirements, &run.key.cell, named, &violations, is_fixed_cases);
-        }
-        if tried > 0 && !is_copy {
+            let none: Vec<_> = named.iter().map(|named| RequirementRow::without_episode(&run.key, named)).collect();
+            judged.add(&judged_table().frame(&none)).map_err(failed)?;
             let tested = protocol.map(|protocol| (run.key.cell.clone(), protocol.cells()));
             gathered.tests.extend(tested.clone());
             for cell in tested.into_iter().flat_map(|(_, cells)| cells) {
@@ -179,6 +174,7 @@ pub fn aggregate_episodes(
     }
     gathered.failures.add_searches(searches);
     [gathered.cells, gathered.copies] = runs.cells().map_err(failed)?;
+    [gathered.requirements, _] = judged.cells().map_err(failed)?;
     gathered.evidence = evidence.finish();
     Ok(gathered)
 }

@@ -1,13 +1,16 @@
 use std::cmp::Ordering;
 
-use super::search_figures::Figures;
+use polars::prelude::DataFrame;
+
 use super::{Failures, ProtocolCell};
 use crate::failure::Failure;
-use crate::jobs::SearchResult;
 use crate::record::CellKey;
-use crate::tables::Cell;
+use crate::record::columns::DRIVER;
 use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
-use base::statistics::mean;
+use crate::tables::{
+    Cell, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE, INJURY, PREVENTABLE_COUNT, Row, Rows, SEARCH_EPISODES,
+    searched_drivers,
+};
 use compile::Driver;
 
 /// The failures of a driver that searches found.
@@ -25,6 +28,20 @@ pub struct SearchFailures {
     /// The share of the starts with a fault, as the mean over the searches; `None` without any start.
     pub fault_start_rate: Option<f64>,
     pub episodes: u64,
+}
+
+impl From<&Row<String>> for SearchFailures {
+    fn from(driver: &Row<String>) -> Self {
+        let count = |column| driver.number(column).unwrap_or_default() as usize;
+        Self {
+            all: count(FAILURE_COUNT),
+            preventable: count(PREVENTABLE_COUNT),
+            fault: count(FAULT_COUNT),
+            injury_per_thousand: driver.number(INJURY),
+            fault_start_rate: driver.number(FAULT_START_RATE),
+            episodes: count(SEARCH_EPISODES) as u64,
+        }
+    }
 }
 
 /// What a campaign found about a driver, over all towns, controllers and searches.
@@ -60,12 +77,15 @@ pub fn driver_results(
     drivers: &[Driver],
     cells: &[Cell],
     failures: &Failures,
-    searches: &[SearchResult],
+    searches: &DataFrame,
     tests: &[(CellKey, Vec<ProtocolCell>)],
 ) -> Vec<DriverResult> {
+    let name = |table: &DataFrame, row| Ok(DRIVER.value(table, row)?.unwrap_or_default());
+    let searched = searched_drivers(searches).and_then(|table| Rows::new(table, name));
+    let searched = searched.expect("a bug: a table of searches has its columns");
     let result = |driver: &Driver| {
         let own = cells.iter().filter(|cell| cell.key.policy == driver.name);
-        let searched = searched(searches, &driver.name);
+        let searched = searched.iter().find(|row| row.key == driver.name).map(SearchFailures::from);
         DriverResult {
             driver: driver.clone(),
             worst: worst_of(failures.of(&driver.name), tests).cloned(),
@@ -135,23 +155,6 @@ fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
     pairs.map(|(b, a)| b.total_cmp(&a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
-fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
-    let of_driver: Vec<&SearchResult> = searches.iter().filter(|search| search.key.policy == driver).collect();
-    if of_driver.is_empty() {
-        return None;
-    }
-    let figures: Vec<Figures> = of_driver.iter().map(|search| Figures::new(search)).collect();
-    let sum = |of: fn(&Figures) -> usize| figures.iter().map(of).sum::<usize>();
-    Some(SearchFailures {
-        all: sum(|each| each.failures),
-        preventable: sum(|each| each.preventable),
-        fault: sum(|each| each.fault),
-        injury_per_thousand: mean(figures.iter().filter_map(|each| each.injury)),
-        fault_start_rate: mean(figures.iter().filter_map(|each| each.fault_start_rate)),
-        episodes: of_driver.iter().map(|search| search.spent.episodes).sum(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -186,7 +189,7 @@ mod tests {
             cell("bad", 0.1, 0.3),
             cell("bad", 0.0, 0.8),
         ];
-        let results = driver_results(&drivers, &cells, &Failures::default(), &[], &[]);
+        let results = driver_results(&drivers, &cells, &Failures::default(), &super::super::all_of_searches(&[]), &[]);
         let found: Vec<_> = results.iter().map(|result| (result.driver.name.as_str(), result.cell)).collect();
         assert_eq!(found, [("bad", Some(3)), ("good", Some(1)), ("blind", Some(0))]);
     }

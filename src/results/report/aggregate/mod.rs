@@ -10,29 +10,23 @@ mod drivers;
 mod results;
 mod requirements;
 mod aggregates;
-mod search_figures;
 mod searches;
-mod search_cells;
-mod search_comparisons;
 mod published;
 mod protocol;
 mod ticks;
 
+pub use crate::tables::{BUDGET, METHOD, SEARCH_BLOCK};
 pub use aggregates::{Aggregates, aggregate_episodes};
 pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use failures::Failures;
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, passed_share, protocol_table, score};
 pub use published::{PublishedComparison, beside};
-pub use requirements::{
-    APPLIES, CellRequirement, Counted, GATED, INSTANT, PART, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT,
-    requirement_table,
-};
+pub use requirements::{INSTANT, PART, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, requirement_table};
 pub use results::{RESULTS, results, results_table};
-pub use search_cells::{SearchCell, search_cell_table, search_cells};
-pub use search_comparisons::{SearchComparison, search_comparisons};
-pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
+pub(crate) use searches::search_pairs;
 pub use searches::{
-    BUDGET, FIRST_START, METHOD, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, STARTS, TRIED, search_key, search_table, searches,
+    SEARCHES, SearchCell, SearchPair, all_of_searches, search_cell_reference, search_cells, search_key, search_table,
+    searches,
 };
 pub use ticks::{tick_table, ticks};

@@ -3,22 +3,14 @@ use polars::prelude::{DataFrame, PolarsResult};
 use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, RUN_ID, TICKS};
 use crate::record::episodes::named;
-use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Table, parse_degrees};
-use crate::tables::{Method, Rate};
-use base::statistics::{ClusteredCount, wilson};
-use episode::requirement::{Degree, NamedRequirement};
+use crate::record::{Column, DEGREES, EpisodeTable, RunKey, Signed, Table, parse_degrees};
+use crate::tables::{APPLIES, COUNTS, IS_FAULT, IS_PREVENTABLE, NO_VERDICT, REQUIREMENT, VIOLATED};
 use verdict::{JudgedDegree, NoVerdict, ViolationVerdict};
+use episode::requirement::{Degree, NamedRequirement};
 
 /// The stem of the files of the table of requirements.
 pub const REQUIREMENTS: &str = "requirements";
 
-pub const REQUIREMENT: Column<String> = Column::new("requirement", "", "name of the requirement");
-pub const VIOLATED: Column<bool> = Column::new("violated", "", "whether the episode violates it");
-pub const APPLIES: Column<bool> = Column::new(
-    "applies",
-    "",
-    "whether the antecedent of an `implies` of the requirement held in a sample; where it never did, the episode says nothing about the requirement",
-);
 pub const ROBUSTNESS: Column<f64> = Column::new(
     "robustness",
     "as `unit`",
@@ -39,11 +31,29 @@ pub struct RequirementRow {
     pub counts: bool,
     /// Whose fault a violation is.
     pub verdict: Option<ViolationVerdict>,
+    /// Why violations have no verdict; `None` if they have.
+    pub no_verdict: Option<NoVerdict>,
     /// Length of the episode (s).
     pub length: f64,
 }
 
 impl RequirementRow {
+    /// A requirement in a run before its first episode, so that it has a row also if none is judged.
+    pub fn without_episode(key: &RunKey, named: &NamedRequirement) -> Self {
+        let degree = Degree { applies: false, ..Degree::constant(true, 0) };
+        Self {
+            key: key.clone(),
+            episode: 0,
+            degree,
+            violation: Violation::new(named, &degree, None),
+            instant: 0.0,
+            counts: false,
+            verdict: None,
+            no_verdict: NoVerdict::of(&named.requirement),
+            length: 0.0,
+        }
+    }
+
     /// The failure, if it is violated.
     pub fn failure(&self) -> Failure {
         Failure {
@@ -75,6 +85,19 @@ pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     .column(PART.of(|row: &RequirementRow| row.violation.part.clone()))
 }
 
+/// What the metrics of requirements are made of.
+pub fn judged_table<'a>() -> Table<'a, RequirementRow> {
+    type Row = RequirementRow;
+    Table::new("", "")
+        .column(REQUIREMENT.of(|row: &Row| row.violation.requirement.clone()))
+        .column(NO_VERDICT.of(|row: &Row| row.no_verdict.map(NoVerdict::name)))
+        .column(COUNTS.of(|row: &Row| row.counts))
+        .column(APPLIES.of(|row: &Row| row.degree.applies))
+        .column(VIOLATED.of(|row: &Row| row.degree.is_violated()))
+        .column(IS_PREVENTABLE.of(|row: &Row| row.verdict.is_some_and(|verdict| verdict.preventable)))
+        .column(IS_FAULT.of(|row: &Row| row.verdict.is_some_and(|verdict| verdict.fault)))
+}
+
 /// The rows of a part of the table of episodes, with the length of a tick (s).
 ///
 /// # Errors
@@ -102,113 +125,10 @@ pub fn requirement_rows(
                 instant: degree.instant(tick).min(length),
                 counts: table.counts(row),
                 verdict,
+                no_verdict: NoVerdict::of(&named.requirement),
                 length,
             });
         }
     }
     Ok(rows)
 }
-
-/// The violations of a requirement in the episodes of a run that count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Violations {
-    pub episodes: u32,
-    /// Those in which it applied.
-    pub applied: u32,
-    pub violated: u32,
-    /// Those that both careful humans would not have made.
-    pub preventable: u32,
-    /// Those that count against the driver.
-    pub faults: u32,
-}
-
-impl Violations {
-    /// Counts an episode.
-    pub fn add(&mut self, row: &RequirementRow) {
-        self.episodes += 1;
-        self.applied += u32::from(row.degree.applies);
-        self.violated += u32::from(row.degree.is_violated());
-        self.preventable += u32::from(row.verdict.is_some_and(|verdict| verdict.preventable));
-        self.faults += u32::from(row.verdict.is_some_and(|verdict| verdict.fault));
-    }
-}
-
-/// Which violations are counted.
-pub type Counted = fn(&Violations) -> u32;
-
-/// The violations of a requirement in a cell, run by run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CellRequirement {
-    pub key: CellKey,
-    pub name: String,
-    /// Why its violations have no verdict; `None` if they have.
-    pub no_verdict: Option<NoVerdict>,
-    /// Whether its episodes are the cases of a test: its rates have no interval.
-    pub is_fixed_cases: bool,
-    pub runs: Vec<Violations>,
-}
-
-impl CellRequirement {
-    /// All violations.
-    pub const ALL: Counted = |run| run.violated;
-    /// The preventable ones.
-    pub const PREVENTABLE: Counted = |run| run.preventable;
-    /// The faults.
-    pub const FAULTS: Counted = |run| run.faults;
-
-    /// Whether its violations have a verdict.
-    pub fn is_judged(&self) -> bool {
-        self.no_verdict.is_none()
-    }
-
-    /// The episodes that count, of all runs.
-    pub fn episodes(&self) -> u32 {
-        self.runs.iter().map(|run| run.episodes).sum()
-    }
-
-    /// What is counted, and the episodes in which it applied, of all runs: those of the others say nothing about it.
-    pub fn sums(&self, counted: Counted) -> (u32, u32) {
-        self.runs.iter().fold((0, 0), |(part, whole), run| (part + counted(run), whole + run.applied))
-    }
-
-    /// The rate of violations in the episodes in which it applied, with Wilson's interval over the starts, which all runs share; no value if it never did.
-    pub fn rate(&self, counted: Counted) -> Rate {
-        let (part, whole) = self.sums(counted);
-        if whole == 0 {
-            return Rate::default();
-        }
-        let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.applied);
-        let by_run: Vec<f64> = self.runs.iter().filter(|run| run.applied > 0).map(of_run).collect();
-        let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(by_run.len() as f64);
-        let interval = (!self.is_fixed_cases).then(|| wilson(of_runs(part), of_runs(whole)));
-        Rate::of_runs(by_run).within(interval, Method::Wilson)
-    }
-}
-
-/// Adds the rows of a run to the cells.
-pub fn add_run(
-    cells: &mut Vec<CellRequirement>,
-    key: &CellKey,
-    requirements: &[NamedRequirement],
-    counts: &[Violations],
-    is_fixed_cases: bool,
-) {
-    for (named, count) in requirements.iter().zip(counts) {
-        // The runs of a cell follow each other, and so do its requirements.
-        let mut last = cells.iter_mut().rev().take(requirements.len());
-        match last.find(|cell| cell.key == *key && cell.name == *named.name) {
-            Some(cell) => cell.runs.push(*count),
-            None => cells.push(CellRequirement {
-                key: key.clone(),
-                name: named.name.to_string(),
-                no_verdict: NoVerdict::of(&named.requirement),
-                is_fixed_cases,
-                runs: vec![*count],
-            }),
-        }
-    }
-}
-
-/// The rates of a requirement that gates know: the word before its name, what it counts, and whether that needs a verdict.
-pub const GATED: [(&str, Counted, bool); 2] =
-    [("violation_rate", CellRequirement::ALL, false), ("fault_rate", CellRequirement::FAULTS, true)];

@@ -1,31 +1,23 @@
+use std::collections::BTreeSet;
+
 use polars::prelude::DataFrame;
 
-use super::search_figures::{
-    FAILED_STARTS, FAILURE_COUNT, FAULT, FAULT_STARTS, FIRST_FAILURE, FIRST_SIMULATIONS, Figures, INJURY,
-};
 use crate::jobs::SearchResult;
-use crate::record::columns::{BLOCK, DRIVER, REWARD, RUN, RUN_ID, TOWN};
-use crate::record::{Column, Entry, Table};
+use crate::record::columns::{DRIVER, REWARD, RUN_ID, TOWN};
+use crate::record::{Column, Entry, Table, TableReference, in_block};
+use crate::tables::metrics::RUNS;
+use crate::tables::{
+    self, BUDGET, FAILED_STARTS, FAILURE_COUNT, FALSIFIED, FAULT_COUNT, FAULT_START_RATE, FAULT_STARTS, FIRST_FAILURE,
+    FIRST_FAULT, FIRST_SIMULATIONS, FIRST_START, GOAL, INJURY, METHOD, PAIR, PLACE, PREVENTABLE_COUNT, Rate, Row, Rows,
+    SEARCH_BLOCK, SEARCH_EPISODES, SEARCH_RUN, STARTS, TRIED, USED,
+};
 use compile::SearchKey;
+use search::Failure;
+use verdict::Blame;
 
-pub const METHOD: Column<String> = Column::new("method", "", "the search, by the name of its method");
 /// The name of a table of searches.
 pub const SEARCHES: &str = "searches";
-pub const STARTS: Column<u64> = Column::new(
-    "starts",
-    "",
-    "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all searches",
-);
-pub const TRIED: Column<String> = Column::new("tried", "", "numbers of these starts, as `0-31 40`");
-pub const FIRST_START: Column<String> = Column::new(
-    "first_start",
-    "",
-    "number of the first of these starts and hash of it as it was drawn; searches with equal ones have the same starts",
-);
-pub const SEARCH_BLOCK: Column<u64> =
-    Column::new(BLOCK.name, "", "number of the `search` block in its campaign, from 0");
-pub const SEARCH_RUN: Column<u64> = Column::new(RUN.name, "", RUN.doc);
-pub const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks that each run may use");
+
 /// The columns of a search's key, without the run.
 pub fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 5] {
     [
@@ -39,85 +31,190 @@ pub fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'
     ]
 }
 
-pub type Searched<'a> = (&'a SearchResult, Figures);
-
 /// Searches as a table, one row each, in the order given.
 pub fn searches(results: &[SearchResult]) -> DataFrame {
-    let rows: Vec<Searched<'_>> = results.iter().map(|result| (result, Figures::new(result))).collect();
-    search_table().frame(&rows)
+    search_table().frame(results)
 }
 
 /// The columns of [`searches`].
-pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
-    type Row<'a> = Searched<'a>;
+pub fn search_table() -> Table<'static, SearchResult> {
+    type Row = SearchResult;
     Table::new(
         SEARCHES,
         "One row for each search: a method in one town against one driver, one run. Rates within a search are shares of what it tried, \
          not the failure rate of the driver.",
     )
-    .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
-    .columns(search_key(|row: &Row<'_>| &row.0.key))
-    .column(SEARCH_RUN.of(|row: &Row<'_>| u64::from(row.0.key.run)))
-    .column(BUDGET.of(|row: &Row<'_>| row.0.budget))
+    .column(RUN_ID.of(|row: &Row| row.id.to_string()))
+    .columns(search_key(|row: &Row| &row.key))
+    .column(SEARCH_RUN.of(|row: &Row| u64::from(row.key.run)))
+    .column(BUDGET.of(|row: &Row| row.budget))
     .count(
-        "used_ticks",
+        USED,
         "simulator ticks that it used; less than a command is left over, more by `ppo` with several environments, \
          which stops when the first has used its share",
-        |row| row.0.spent.ticks,
+        |row| row.spent.ticks,
     )
     .count(
-        "episodes",
+        SEARCH_EPISODES,
         "episodes that came to an end and count, without one that the budget cut off",
-        |row| row.0.spent.episodes,
+        |row| row.spent.episodes,
     )
     .count(
         "left_out_episodes",
         "further episodes that are left out; see `left_out` of `episodes`",
-        |row| row.0.spent.left_out,
+        |row| row.spent.left_out,
     )
-    .column(STARTS.of(|row: &Row<'_>| row.0.spent.starts.count()))
-    .column(TRIED.of(|row: &Row<'_>| row.0.spent.starts.to_string()))
-    .column(FIRST_START.of(|row: &Row<'_>| row.0.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
+    .column(STARTS.of(|row: &Row| row.spent.starts.count()))
+    .column(TRIED.of(|row: &Row| row.spent.starts.to_string()))
+    .column(FIRST_START.of(|row: &Row| row.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
     .count(
         FAILURE_COUNT,
         "episodes that ended in a collision, or that violate the goal of the search",
-        |row| row.1.failures as u64,
+        |row| row.spent.failures.len() as u64,
     )
     .count(
         FAILED_STARTS,
         "starts from which a failure was found; the fair count between searches that leave a start after a failure \
          (`cem`, `cma_es`, `mcts`) and those that walk once from each",
-        |row| row.1.failed_starts as u64,
+        |row| count_starts(row.spent.failures.iter()),
     )
     .number(
         FIRST_FAILURE,
         "ticks used when the first was found, its own included; missing if none was found",
-        |row| row.1.first.map(|ticks| ticks as f64),
+        |row| row.spent.failures.first().map(|failure| failure.ticks as f64),
     )
     .count(
         FIRST_SIMULATIONS,
         "simulations up to the first failure, its own included; finished episodes, also those that are left out; \
          missing if none was found",
-        |row| row.1.first_simulations,
+        |row| row.spent.failures.first().map(|failure| failure.simulations),
     )
     .count(
-        FAULT,
+        FAULT_COUNT,
         "failures that count against the driver; missing where the goal has no verdict, as \
          all figures of faults",
-        |row| row.1.judged_count(row.1.fault),
+        |row| row.is_judged().then(|| faults(row).count() as u64),
     )
-    .count(FAULT_STARTS, "starts from which a fault was found", |row| row.1.judged_count(row.1.fault_starts))
+    .count(FAULT_STARTS, "starts from which a fault was found", |row| row.is_judged().then(|| count_starts(faults(row))))
     .number(
         INJURY,
         "sum of the severe-injury risks of the faults, for 1,000 of `episodes`; what a careful human would have \
          spared",
-        |row| row.1.injury,
+        |row| injury(row),
     )
     .count(
         "evaluated_episodes",
         "fresh episodes of the pedestrian that the search ended with, outside the budget; their starts are those \
          of `evaluate`",
-        |row| row.1.evaluated,
+        |row| evaluated(row, None),
     )
-    .count("evaluated_faults", "faults of these", |row| row.1.judged_count(row.1.evaluated_faults))
+    .count("evaluated_faults", "faults of these", |row| row.is_judged().then(|| evaluated(row, Some(Blame::Fault))))
+}
+
+/// What the tables made of searches need besides.
+fn more() -> [Entry<'static, SearchResult>; 4] {
+    let count = Column::<u64>::new;
+    let rate = |row: &SearchResult| {
+        let starts = row.spent.starts.count();
+        (starts > 0 && row.is_judged()).then(|| count_starts(faults(row)) as f64 / starts as f64)
+    };
+    [
+        GOAL.of(|row: &SearchResult| row.goal().map(|named| named.name.to_string())),
+        count(PREVENTABLE_COUNT, "", "")
+            .of(|row: &SearchResult| row.failures().filter(|find| find.is(Blame::Preventable)).count() as u64),
+        Column::<f64>::new(FAULT_START_RATE, "", "").of(rate),
+        count(FIRST_FAULT, "", "").of(|row: &SearchResult| faults(row).map(|failure| failure.ticks).min()),
+    ]
+}
+
+/// The faults that a search found.
+fn faults(result: &SearchResult) -> impl Iterator<Item = &Failure> {
+    result.failures().filter(|find| find.is(Blame::Fault)).map(|find| find.failure)
+}
+
+/// The number of different starts of failures.
+fn count_starts<'a>(failures: impl Iterator<Item = &'a Failure>) -> u64 {
+    failures.map(|failure| failure.start).collect::<BTreeSet<_>>().len() as u64
+}
+
+/// The avoidable injury of a thousand episodes; `None` without any.
+fn injury(result: &SearchResult) -> Option<f64> {
+    let injury: f64 = result.failures().filter_map(|find| Some(find.verdict()?.avoidable_injury())).sum();
+    (result.spent.episodes > 0).then(|| injury * 1000.0 / result.spent.episodes as f64)
+}
+
+/// The number of fresh episodes that count, or of those that count against the driver in this way.
+fn evaluated(result: &SearchResult, blame: Option<Blame>) -> u64 {
+    let is = |blame, each: &verdict::Judged| each.is(result.criterion(), blame);
+    let counted = result.evaluated.iter().filter(|each| each.outcome.counts());
+    counted.filter(|each| blame.is_none_or(|blame| is(blame, each))).count() as u64
+}
+
+/// Searches with all columns that the tables made of them need.
+pub fn all_of_searches(results: &[SearchResult]) -> DataFrame {
+    search_table().columns(more()).frame(results)
+}
+
+/// All runs of a falsifier in one town against one driver.
+pub type SearchCell = Row<SearchKey>;
+
+/// The cells of searches, in the order of first appearance, with the key of the first run.
+///
+/// # Panics
+/// Never: a table of searches has these columns.
+pub fn search_cells(results: &[SearchResult], searches: &DataFrame) -> Rows<SearchKey> {
+    if results.is_empty() {
+        return Rows::default();
+    }
+    let first = |table: &DataFrame, row| Ok(results[PLACE.value(table, row)?.unwrap_or_default() as usize].key.clone());
+    let cells = tables::search_cells(searches).and_then(|cells| Rows::new(cells, first));
+    cells.expect("a bug: a table of searches has its columns")
+}
+
+/// The documentation of the table of cells of searches.
+pub fn search_cell_reference() -> TableReference {
+    let keys = Table::new("search_cells", "One row for each search, town and driver, over all runs.")
+        .columns(search_key(|key: &SearchKey| key))
+        .count("runs", "number of runs", |_| 0);
+    let mut all = keys.reference();
+    all.columns.extend(tables::search_cell_columns());
+    all
+}
+
+impl Row<SearchKey> {
+    /// A figure over the runs, with its interval.
+    pub fn rate(&self, figure: &str) -> Rate {
+        self.figure(figure, "")
+    }
+
+    /// The number of its runs, and of those that found a failure.
+    pub fn runs(&self) -> [u64; 2] {
+        [RUNS.name, FALSIFIED].map(|column| self.whole_number(column).into())
+    }
+
+    /// The budget of each run (simulator ticks).
+    pub fn budget(&self) -> u64 {
+        self.number(BUDGET.name).map_or(0, |budget| budget as u64)
+    }
+
+    /// Whether no run tried a start, so that nothing is known.
+    pub fn is_empty(&self) -> bool {
+        self.rate(STARTS.name).value == Some(0.0)
+    }
+
+    /// Its name, for people.
+    pub fn in_full(&self) -> String {
+        let key = &self.key;
+        format!("{}{} in {} against {}", key.falsifier, in_block(key.block), key.town, key.policy)
+    }
+}
+
+/// Two searches, or two drivers, of one town, compared by a figure, with the number of the pair.
+pub type SearchPair = Row<u64>;
+
+/// The pairs of searches.
+pub(crate) fn search_pairs(searches: &DataFrame) -> Rows<u64> {
+    let number = |table: &DataFrame, row| Ok(PAIR.value(table, row)?.unwrap_or_default());
+    let pairs = tables::search_pairs(searches).and_then(|pairs| Rows::new(pairs, number));
+    pairs.expect("a bug: a table of searches has its columns")
 }

@@ -5,8 +5,8 @@ use crate::jobs::SearchResult;
 use crate::record::CellKey;
 use crate::report::Findings;
 use crate::report::render::{Column, Section, Table, Value};
-use crate::tables::Cell;
 use crate::tables::metrics::{COLLISION_RATE, COLLISIONS, EPISODES, FAULT_COLLISIONS};
+use crate::tables::{APPLIED, Cell, REQUIREMENT, VIOLATIONS};
 use compile::{HERE, NamedTown};
 use verdict::Blame;
 use world::av::DrivingMode;
@@ -35,14 +35,12 @@ pub fn coverage(found: &Findings<'_>) -> Section {
         ..Table::default()
     };
     let rules = campaign.requirements.iter().map(|named| {
-        let of_rule = || found.gathered.requirements.iter().filter(|each| *each.name == *named.name);
+        let of_rule = || found.gathered.requirements.iter().filter(|each| each.text(&REQUIREMENT) == *named.name);
         if of_rule().next().is_none() {
             return vec![Value::from(&*named.name), "not judged".into(), "not judged".into()];
         }
-        let (applied, violated) = of_rule().flat_map(|each| &each.runs).fold((0, 0), |(applied, violated), run| {
-            (applied + u64::from(run.applied), violated + u64::from(run.violated))
-        });
-        vec![Value::from(&*named.name), Value::Count(applied), Value::Count(violated)]
+        let sum = |metric| Value::Count(of_rule().map(|each| u64::from(each.count(metric))).sum());
+        vec![Value::from(&*named.name), sum(&APPLIED), sum(&VIOLATIONS)]
     });
     let rules = Table {
         title: "Rules of the road".into(),

@@ -5,7 +5,7 @@ use super::evaluated_run::EvaluatedRun;
 use super::{Learning, reference_rates};
 use crate::record::{CellKey, ColumnReference};
 use crate::tables::metrics::EPISODE_REWARD;
-use crate::tables::{Method, Metric, Rate};
+use crate::tables::{Metric, Rate};
 use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, bounded_interval, quantile};
 use verdict::Reference;
 
@@ -68,7 +68,7 @@ impl CellEvidence {
             .as_ref()
             .zip(interval)
             .map(|(sample, (low, high))| bounded_interval(sample.estimate(), (high - low) / 2.0, metric.bounds()));
-        self.between.insert(metric.name, Rate::of_runs(by_run).within(interval, Method::Student));
+        self.between.insert(metric.name, Rate::of_runs(by_run).within(interval));
         if *metric == EPISODE_REWARD {
             self.learning = Learning::new(place, measured, cell);
         }

@@ -20,4 +20,4 @@ pub use evaluated_run::{EvaluatedRun, MAX_KEPT};
 pub use evidence_builder::{Evidence, EvidenceBuilder};
 pub use learning::{BeatsUntrained, Doubt, Learning, Reason, Untrained, doubts};
 pub use pair::compare_pair;
-pub use tables::{BEATS_UNTRAINED, ComparedRow, IMPACT_SPEED_P90, comparison_table, reference_rates};
+pub use tables::{BEATS_UNTRAINED, COMPARISONS, IMPACT_SPEED_P90, comparison_table, comparisons, reference_rates};

@@ -1,6 +1,9 @@
+use polars::prelude::{DataFrame, Expr, IntoLazy, NULL, col, lit, when};
+
 use super::{Comparison, Test};
-use crate::record::{CellKey, Column, ColumnReference, Family, Interval, Table, cell_key};
-use crate::report::SearchComparison;
+use crate::record::columns::{DRIVER, PEDESTRIAN};
+use crate::record::{Column, ColumnReference, Family, Interval, Table, cell_key};
+use crate::tables::{FIGURE, METHOD, OTHER};
 use verdict::Reference;
 
 const OTHER_PEDESTRIAN: Column<String> =
@@ -8,11 +11,6 @@ const OTHER_PEDESTRIAN: Column<String> =
 const OTHER_DRIVER: Column<String> =
     Column::new("other_driver", "", "driver of that cell: another one than `driver` where drivers are compared");
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
-const FIGURE: Column<String> = Column::new(
-    "figure",
-    "",
-    "`collision_rate`, `preventable_rate` or `fault_rate`, or of searches a metric: what is compared",
-);
 const DIFFERENCE: Column<f64> =
     Column::new("difference", "", "mean of the figure over the runs of the cell less that of the other cell");
 const DIFFERENCE_INTERVAL: Interval = Interval::new(
@@ -63,79 +61,62 @@ pub fn reference_rates(reference: Reference) -> [ColumnReference; 2] {
     [REST, NEEDLESS].map(|rate| rate.reference(reference.name()))
 }
 
-/// A row of the table of comparisons: two cells, or two searches.
-pub struct ComparedRow {
-    first: CellKey,
-    second: CellKey,
-    figure: &'static str,
-    /// The episodes of the shortest of these runs; `None` of searches.
-    episodes: Option<u64>,
-    difference: f64,
-    interval: Option<(f64, f64)>,
-    test: Test,
-    holm: Option<f64>,
-}
+/// The stem of the files of the table of comparisons.
+pub const COMPARISONS: &str = "comparisons";
+const PAIRED_EPISODES: Column<u64> =
+    Column::new("paired_episodes", "", "episodes of the shortest of these runs; null for searches");
+const TEST: Column<String> = Column::new(
+    "test",
+    "",
+    "`student`, `mcnemar` or empty; `student` is about further trainings, of searches paired, `mcnemar` exact with one run on each side and about these two and further episodes, \
+     on the first 100,000",
+);
 
-impl From<&Comparison> for ComparedRow {
-    fn from(found: &Comparison) -> Self {
-        Self {
-            first: found.first.clone(),
-            second: found.second.clone(),
-            figure: found.figure.name,
-            episodes: Some(found.episodes),
-            difference: found.difference,
-            interval: found.interval,
-            test: found.test,
-            holm: found.holm,
-        }
-    }
-}
-
-impl From<&SearchComparison> for ComparedRow {
-    fn from(found: &SearchComparison) -> Self {
-        let key = |(falsifier, policy): &(String, String)| CellKey {
-            controller: falsifier.clone(),
-            policy: policy.clone(),
-            town: found.town.clone(),
-            block: found.block,
-            ..CellKey::default()
-        };
-        Self {
-            first: key(&found.one),
-            second: key(&found.other),
-            figure: found.figure,
-            episodes: None,
-            difference: found.difference,
-            interval: found.interval,
-            test: if found.p_holm.is_some() { Test::Student } else { Test::None },
-            holm: found.p_holm,
-        }
-    }
-}
-
-/// Comparisons as a table, one row each.
-pub fn comparison_table() -> Table<'static, ComparedRow> {
+/// The columns of [`comparisons`].
+pub fn comparison_table() -> Table<'static, Comparison> {
+    type Row = Comparison;
     Table::new(
-        "comparisons",
+        COMPARISONS,
         "One row for each pair of cells with common starts, and figure: two pedestrians against one driver, or, where `other_driver` is not `driver`, two drivers that met the same pedestrian. Both cells \
          have the same town, vehicle, body, world and block. Rows of searches follow, which have no `vehicle`: two searches, or two drivers. Each kind is adjusted on its own.",
     )
-    .columns(cell_key(|row: &ComparedRow| &row.first))
-    .column(OTHER_PEDESTRIAN.of(|row: &ComparedRow| row.second.controller.clone()))
-    .column(OTHER_DRIVER.of(|row: &ComparedRow| row.second.policy.clone()))
-    .column(OTHER_REWARD.of(|row: &ComparedRow| row.second.reward.clone()))
-    .column(FIGURE.of(|row: &ComparedRow| row.figure))
-    .count("paired_episodes", "episodes of the shortest of these runs; null for searches", |row| row.episodes)
-    .column(DIFFERENCE.of(|row: &ComparedRow| row.difference))
-    .columns(DIFFERENCE_INTERVAL.of(|row: &ComparedRow| row.interval))
-    .column(
-        Column::<String>::new(
-            "test",
-            "",
-            "`student`, `mcnemar` or empty; `student` is about further trainings, of searches paired, `mcnemar` exact with one run on each side and about these two and further episodes, \
-             on the first 100,000",
-        )
-        .of(|row: &ComparedRow| row.test.name()),
-    )
-    .column(P_HOLM.of(|row: &ComparedRow| row.holm))
+    .columns(cell_key(|row: &Row| &row.first))
+    .column(OTHER_PEDESTRIAN.of(|row: &Row| row.second.controller.clone()))
+    .column(OTHER_DRIVER.of(|row: &Row| row.second.policy.clone()))
+    .column(OTHER_REWARD.of(|row: &Row| row.second.reward.clone()))
+    .column(FIGURE.of(|row: &Row| row.figure.name))
+    .column(PAIRED_EPISODES.of(|row: &Row| row.episodes))
+    .column(DIFFERENCE.of(|row: &Row| row.difference))
+    .columns(DIFFERENCE_INTERVAL.of(|row: &Row| row.interval))
+    .column(TEST.of(|row: &Row| row.test.name()))
+    .column(P_HOLM.of(|row: &Row| row.holm))
+}
+
+/// Comparisons of cells, then pairs of searches: the falsifier is the pedestrian.
+///
+/// # Panics
+/// Never: a table of pairs has these columns.
+pub fn comparisons(cells: &[Comparison], searches: &DataFrame) -> DataFrame {
+    let mut all = comparison_table().frame(cells);
+    let column = |reference: ColumnReference| {
+        let (name, holds) = (&*reference.name, reference.holds);
+        let values = match name {
+            _ if name == PEDESTRIAN.name => col(METHOD.name),
+            _ if name == OTHER_PEDESTRIAN.name => col(format!("{}{OTHER}", METHOD.name)),
+            _ if name == OTHER_DRIVER.name => col(format!("{}{OTHER}", DRIVER.name)),
+            _ if name == PAIRED_EPISODES.name => lit(NULL),
+            _ if name == TEST.name => {
+                when(col(P_HOLM.name).is_null()).then(lit("")).otherwise(lit(Test::Student.name()))
+            }
+            _ if searches.get_column_index(name).is_some() => col(name),
+            _ => lit(""),
+        };
+        values.cast(holds).alias(name)
+    };
+    let columns: Vec<Expr> = comparison_table().reference().columns.into_iter().map(column).collect();
+    if searches.height() > 0 {
+        let rows = searches.clone().lazy().select(columns).collect();
+        rows.and_then(|rows| all.vstack_mut(&rows).map(|_| ())).expect("a bug: a table of pairs has its columns");
+    }
+    all
 }

@@ -1,10 +1,10 @@
 use super::GateError;
 use crate::record::{ColumnReference, Role};
-use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT};
 use crate::report::infer::{BEATS_UNTRAINED, BeatsUntrained};
 use crate::report::metric_table::TRAININGS_DISAGREE;
 use crate::tables::METRICS;
 use crate::tables::metrics::MEAN;
+use crate::tables::{FIRST_FAILURE, FIRST_FAULT};
 
 /// A part of a gate: a column, a sign, and a number or a word.
 #[derive(Debug, Clone, PartialEq)]

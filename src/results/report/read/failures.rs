@@ -11,8 +11,9 @@ use crate::failure::{Failure, FoundBy};
 use crate::record::columns::{DRIVER, EPISODE, MIN_GAP, NUMBER, REWARD, RUN_ID, TOWN};
 use crate::record::{CellKey, EPISODES, EpisodeTable, RunKey};
 use crate::report::actors::{ACTORS, NEEDED, ROLE};
-use crate::report::aggregate::{APPLIES, METHOD, REQUIREMENT, REQUIREMENTS, SEARCH_BLOCK, SEARCH_RUN, SEARCHES};
+use crate::report::aggregate::{REQUIREMENTS, SEARCHES};
 use crate::report::failure_table::{FAILURES, Row, failure_table, read_failures};
+use crate::tables::{APPLIES, METHOD, REQUIREMENT, SEARCH_BLOCK, SEARCH_RUN};
 use compile::RunId;
 
 /// The number of rows of a table that are read at once.

@@ -5,10 +5,11 @@ use polars::prelude::{AnyValue, DataFrame};
 use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
-use crate::report::aggregate::{STARTS, search_cell_table, search_key};
+use crate::report::aggregate::{search_cell_reference, search_key};
 use crate::report::cell_table::{NOT_TESTED, PASSED, SCORE, applied_to, gate_columns, gate_table};
 use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, DIFFERING, TRIED_STARTS};
 use crate::report::{Findings, NOT_MET};
+use crate::tables::STARTS;
 use crate::tables::metrics::{EPISODES, MEAN};
 use base::statistics::{MIN_RUNS, disagreement, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
@@ -212,13 +213,11 @@ impl Gate {
     /// It has another form, or names no column.
     pub fn parse(text: &str) -> Result<Self, GateError> {
         match Self::of_columns(text, &gate_columns(&requirements_in(text))) {
-            Err(error @ GateError::Column { .. }) => {
-                match Self::of_columns(text, &search_cell_table().reference().columns) {
-                    Ok(gate) => Ok(Self { about_searches: true, ..gate }),
-                    Err(GateError::Column { .. }) => Err(error),
-                    Err(other) => Err(other),
-                }
-            }
+            Err(error @ GateError::Column { .. }) => match Self::of_columns(text, &search_cell_reference().columns) {
+                Ok(gate) => Ok(Self { about_searches: true, ..gate }),
+                Err(GateError::Column { .. }) => Err(error),
+                Err(other) => Err(other),
+            },
             parsed => parsed,
         }
     }
@@ -336,7 +335,7 @@ impl Gate {
     /// Judges every cell of a campaign, or every cell of its searches, in their order.
     pub fn judge_campaign(&self, found: &Findings<'_>) -> Vec<Judged> {
         if self.about_searches {
-            return self.judge(&search_cell_table().frame(&found.searches));
+            return self.judge(found.searches.table());
         }
         // A campaign of searches alone has no row.
         if found.cells.is_empty() {

@@ -6,7 +6,8 @@ use super::{ReadError, StoredReport};
 use crate::failure::Failure;
 use crate::record::Column;
 use crate::record::columns::{DRIVER, REWARD, RUN_ID, TOWN};
-use crate::report::aggregate::{BUDGET, FIRST_START, METHOD, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
+use crate::report::aggregate::SEARCHES;
+use crate::tables::{BUDGET, FIRST_START, METHOD, SEARCH_BLOCK, SEARCH_RUN, TRIED};
 use search::StartSet;
 
 /// The number of rows of a table that are read at once.

@@ -1,9 +1,10 @@
 use std::fmt::Write;
 
-use super::super::{Gate, Judged, Manifest, SearchCell, TrainingRecord};
+use super::super::{Gate, Judged, Manifest, TrainingRecord};
 use super::sections::{place, who};
 use crate::tables::metrics::{EPISODES, ERRORS, MEAN, RUNS};
-use crate::tables::{Cell, Cells, METRICS};
+use crate::tables::{Cell, Cells, METRICS, Rows};
+use compile::SearchKey;
 
 /// The results of a campaign for a server of continuous integration.
 #[derive(Debug, Clone)]
@@ -13,7 +14,7 @@ pub struct Suite {
     /// Its cells, in the order of their table.
     pub cells: Cells,
     /// The cells of its searches, in the order of their table.
-    pub searches: Vec<SearchCell>,
+    pub searches: Rows<SearchKey>,
     /// The gates, each with its result for each row of the table that it is about.
     pub gates: Vec<(Gate, Vec<Judged>)>,
 }

@@ -1,20 +1,30 @@
 //! The overview of several reports: tables, as a page and for a terminal.
 
+use std::collections::BTreeMap;
+
 use maud::html;
+use polars::prelude::PolarsResult;
 
 use super::page::{document, paragraph};
 use super::sections::{Scale, failed_starts, injury, searcher};
 use super::table::{Column, Table, Value};
-use crate::report::overview::{Found, Overview, OverviewRow};
-use crate::report::pooled::{Pooled, SEED};
-use crate::report::{DriverResult, Rate, Variant};
+use crate::record::columns::{DRIVER, TOWN, WORLD};
+use crate::report::{DriverResult, Overview, Rate, Variant};
 use crate::tables::metrics::{EPISODES, compared};
+use crate::tables::overview::{SEEDS, WHO, p_column, setting_column};
+use crate::tables::{FAULT_START_RATE, Row};
+use compile::HERE;
 
 /// How to read the tables.
 const READING: &str = "A row is a pedestrian, or a search, in a town against a driver. Rates are shares of all episodes: the mean over runs \
 ± one standard deviation. Variants of a matrix meet the same starts. `overview.csv` has the same numbers, and intervals.";
 
-pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
+/// The page of an overview.
+///
+/// # Errors
+/// Those of polars; none.
+pub fn overview_page(overview: &Overview<'_>, version: &str) -> PolarsResult<String> {
+    let pooled = pooled(overview, true)?;
     let body = html! {
         header.top {
             p.kind { "falsify · overview" }
@@ -26,23 +36,27 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
             section #table {
                 h2 { "What was found" }
                 @for line in doubtful(overview) { (paragraph(&line)) }
-                @for table in pooled(overview, true).into_iter().chain(tables(overview)) { (table.to_html()) }
+                @for table in pooled.into_iter().chain(tables(overview)) { (table.to_html()) }
                 (paragraph(READING))
             }
         }
     };
-    document("Overview", version, &body, false)
+    Ok(document("Overview", version, &body, false))
 }
 
-pub fn overview_for_terminal(overview: &Overview<'_>) -> String {
-    let pooled = pooled(overview, false);
+/// The tables of an overview for a terminal.
+///
+/// # Errors
+/// Those of polars; none.
+pub fn overview_for_terminal(overview: &Overview<'_>) -> PolarsResult<String> {
+    let pooled = pooled(overview, false)?;
     let pooled_seeds = pooled.len() > 1;
     // The reports of the seeds are on the page.
     let shown = if pooled.is_empty() { tables(overview) } else { pooled };
     let tables: Vec<String> = shown.iter().map(|table| table.to_terminal(80)).collect();
     let doubts: String = doubtful(overview).iter().map(|line| format!("\n{}", line.replace("**", ""))).collect();
     let more = if pooled_seeds { "\nThe page has the differences of all figures and pairs.\n" } else { "" };
-    tables.join("\n") + more + &doubts
+    Ok(tables.join("\n") + more + &doubts)
 }
 
 /// What a reader must know before rows are compared: trainings that are in doubt, and that the best of many rows is the best by chance, too.
@@ -62,7 +76,7 @@ fn doubtful(overview: &Overview<'_>) -> Vec<String> {
             in_doubt.join(", ")
         ));
     }
-    if reports(overview) > 2 && Pooled::all(overview).is_empty() {
+    if reports(overview) > 2 && !overview.has_seeds() {
         lines.push(
             "The greatest of many rates is too high by chance: test two reports with `falsify compare` before one is called better.".into(),
         );
@@ -75,35 +89,30 @@ fn reports(overview: &Overview<'_>) -> usize {
 }
 
 /// Figures over the seeds of a call, and differences: of all figures and pairs, or of faults to the first controller or falsifier; empty for a single seed.
-fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
-    let all = Pooled::all(overview);
-    let parameters: Vec<usize> =
-        (0..overview.parameters.len()).filter(|place| overview.parameters[*place] != SEED).collect();
-    let words = |pooled: &Pooled<'_>| {
-        let row = pooled.rows[0];
-        let values = parameters.iter().map(|place| Value::from(row.values[*place].as_deref().unwrap_or("–")));
-        let mut words: Vec<Value> = values.collect();
-        words.extend([Value::from(row.driver()), Value::from(row.town()), pooled.who(&all).into()]);
-        words.push(Value::Count(pooled.rows.len() as u64));
+fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>> {
+    let (all, settings) = (overview.over_seeds()?, overview.settings());
+    let words = |row: &Row<u32>| {
+        let text = |column: &str| Value::from(row.text_of(column));
+        let settings =
+            settings.iter().map(|name| Some(row.text_of(&setting_column(name))).filter(|text| !text.is_empty()));
+        let mut words: Vec<Value> = settings.map(|value| value.as_deref().unwrap_or("–").into()).collect();
+        words.extend([DRIVER.name, TOWN.name, WHO].map(text));
+        words.push(Value::Count(row.whole_number(SEEDS).into()));
         words
     };
     let head = |figures: Vec<Column>| {
-        let names = parameters.iter().map(|place| overview.parameters[*place]).chain([
-            "driver",
-            "town",
-            "pedestrian or search",
-        ]);
+        let names = settings.iter().map(String::as_str).chain(["driver", "town", "pedestrian or search"]);
         let mut head: Vec<Column> = names.map(|name| Column::text(name).key()).collect();
         head.push(Column::number("seeds"));
         head.extend(figures);
         head
     };
-    let row = |pooled: &Pooled<'_>| {
+    let row = |pooled: &Row<u32>| {
         let mut row = words(pooled);
         for metric in compared().rev() {
-            let rate = pooled.figure(metric);
-            let mean = match (rate.value, pooled.episodes()) {
-                (Some(0.0), Some(episodes)) => Value::Of(0, episodes.into()),
+            let rate = pooled.figure(metric.name, "");
+            let mean = match (rate.value, pooled.number(EPISODES.name)) {
+                (Some(0.0), Some(episodes)) => Value::Of(0, episodes as u64),
                 _ => over_seeds(&rate, false),
             };
             row.extend([mean, Value::Number(rate.sd, 3)]);
@@ -123,19 +132,20 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
         p => Value::Number(p, 3),
     };
     let shown_metrics = || compared().rev().take(if everything { usize::MAX } else { 1 });
-    let difference = |(own, beside): (&Pooled<'_>, &Pooled<'_>)| {
-        let figures = shown_metrics()
-            .flat_map(|metric| [over_seeds(&own.difference(beside, metric), true), p(own.p(beside, metric))]);
-        words(own).into_iter().chain([beside.who(&all).into()]).chain(figures).collect::<Vec<Value>>()
+    let by_group: BTreeMap<u32, &Row<u32>> = all.iter().map(|row| (row.key, row)).collect();
+    let difference = |pair: &Row<[u32; 2]>| {
+        let [own, beside] = pair.key.map(|group| by_group[&group]);
+        let figures = shown_metrics().flat_map(|metric| {
+            [over_seeds(&pair.figure(metric.name, ""), true), p(pair.number(&p_column(metric.name)))]
+        });
+        words(own).into_iter().chain([beside.text_of(WHO).into()]).chain(figures).collect::<Vec<Value>>()
     };
-    let pairs = Pooled::pairs(&all);
-    let shown = pairs.into_iter().filter(|(_, beside)| everything || std::ptr::eq(*beside, &all[beside.first]));
     let columns = shown_metrics()
         .flat_map(|metric| [Column::number(format!("{}, difference", metric.word())), Column::number("p")]);
     let differences = Table {
         title: "Differences, paired by seed".into(),
         head: head(std::iter::once(Column::text("beside")).chain(columns).collect()),
-        rows: shown.map(difference).collect(),
+        rows: overview.seed_pairs(everything)?.iter().map(difference).collect(),
         notes: vec![
             "p is Student's, two-sided, from three seeds on, and corrected for nothing: of twenty rows one is below 0.05 by chance.".into(),
         ],
@@ -143,7 +153,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> Vec<Table> {
     };
     tables.push(differences);
     tables.retain(|table| !table.rows.is_empty());
-    tables
+    Ok(tables)
 }
 
 /// A mean over seeds with its interval, or of too few for one with their standard deviation.
@@ -156,62 +166,45 @@ fn over_seeds(rate: &Rate, is_difference: bool) -> Value {
     }
 }
 
-type NameOf = fn(&OverviewRow<'_>) -> String;
-
 /// The rates of controllers, those of falsifiers, and the worst failure of each driver; without those that would be empty.
 fn tables(overview: &Overview<'_>) -> Vec<Table> {
-    let of = |searched: bool| move |row: &&OverviewRow<'_>| matches!(row.found, Found::Searched(_)) == searched;
-    let evaluated: Vec<_> = overview.rows.iter().filter(of(false)).collect();
-    let searched: Vec<_> = overview.rows.iter().filter(of(true)).collect();
-    let several = |name: NameOf| {
-        let first = overview.rows.first().map(name);
-        overview.rows.iter().any(|row| Some(name(row)) != first)
+    let parts: Vec<&str> =
+        [DRIVER.name, TOWN.name, WORLD.name].into_iter().filter(|name| overview.varies(name)).collect();
+    let place = |driver: &String, town: &String, world: &str| {
+        let names = [(DRIVER.name, driver.as_str()), (TOWN.name, town), (WORLD.name, world)];
+        names.into_iter().filter(|(part, _)| parts.contains(part)).map(|(_, name)| name.into()).collect::<Vec<Value>>()
     };
-    let parts: [(&str, NameOf); 3] = [
-        ("driver", |row| row.driver().to_string()),
-        ("town", |row| row.town().to_string()),
-        ("world", |row| row.world().to_string()),
-    ];
-    let parts: Vec<_> = parts.into_iter().filter(|(_, name)| several(*name)).collect();
-    let place = |row: &OverviewRow<'_>| parts.iter().map(|(_, name)| name(row).into()).collect::<Vec<Value>>();
-    let place_of = |row: &OverviewRow<'_>| first(row.variant, &row.values);
-    let place_head: Vec<Column> = parts.iter().map(|(name, _)| Column::text(*name)).collect();
-    let mut tables = Vec::new();
-    if !evaluated.is_empty() {
+    let heads = |own: &[Column]| {
         let mut head = head(overview);
-        head.extend(place_head.clone());
-        head.extend([Column::text("pedestrian"), Column::number("runs").page_only(), Column::number("n")]);
-        head.extend(compared().rev().map(|metric| Column::number(metric.word())));
-        let row = |row: &&OverviewRow<'_>| {
-            let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
-            let mut values = place_of(row);
-            values.extend(place(row));
-            values.extend([
-                row.who().into(),
-                Value::Count(cell.runs().into()),
-                Value::Count((cell.count(&EPISODES) / cell.runs().max(1)).into()),
-            ]);
-            values.extend(compared().rev().map(|metric| Value::from(&cell.rate(metric))));
-            values
-        };
-        let rows = evaluated.iter().map(row).collect();
-        tables.push(Table { head, rows, ..Table::default() });
-    }
-    if !searched.is_empty() {
-        let mut head = head(overview);
-        head.extend(place_head.clone());
-        head.push(Column::text("search"));
-        head.extend(["failed starts", "starts with a fault"].map(Column::text));
-        let row = |row: &&OverviewRow<'_>| {
-            let Found::Searched(cell) = row.found else { unreachable!("the rows are those of searches") };
-            let mut values = place_of(row);
-            values.extend(place(row));
-            values.extend([searcher(cell).into(), failed_starts(cell), Value::average(&cell.fault_start_rate, 3)]);
-            values
-        };
-        let rows = searched.iter().map(row).collect();
-        tables.push(Table { head, rows, ..Table::default() });
-    }
+        head.extend(parts.iter().map(|name| Column::text(*name)));
+        head.extend_from_slice(own);
+        head
+    };
+    let mut evaluated = heads(&[Column::text("pedestrian"), Column::number("runs").page_only(), Column::number("n")]);
+    evaluated.extend(compared().rev().map(|metric| Column::number(metric.word())));
+    let evaluated_rows =
+        overview.variants.iter().flat_map(|variant| variant.cells.iter().map(move |cell| (variant, cell)));
+    let evaluated_rows = evaluated_rows.map(|(variant, cell)| {
+        let (key, episodes) = (&cell.key, cell.count(&EPISODES) / cell.runs().max(1));
+        let who = if key.is_at_home() { format!("{} {}", key.controller, key.reward) } else { key.who() };
+        let mut values = first(variant, &overview.values(variant));
+        values.extend(place(&key.policy, &key.town, &key.world));
+        values.extend([who.into(), Value::Count(cell.runs().into()), Value::Count(episodes.into())]);
+        values.extend(compared().rev().map(|metric| Value::from(&cell.rate(metric))));
+        values
+    });
+    let searched = heads(&["search", "failed starts", "starts with a fault"].map(Column::text));
+    let searched_rows =
+        overview.variants.iter().flat_map(|variant| variant.searches.iter().map(move |cell| (variant, cell)));
+    let searched_rows = searched_rows.map(|(variant, cell)| {
+        let mut values = first(variant, &overview.values(variant));
+        values.extend(place(&cell.key.policy, &cell.key.town, HERE));
+        values.extend([searcher(cell).into(), failed_starts(cell), Value::average(&cell.rate(FAULT_START_RATE), 3)]);
+        values
+    });
+    let all = [(evaluated, evaluated_rows.collect()), (searched, searched_rows.collect::<Vec<_>>())];
+    let all = all.into_iter().filter(|(_, rows): &(_, Vec<_>)| !rows.is_empty());
+    let mut tables: Vec<Table> = all.map(|(head, rows)| Table { head, rows, ..Table::default() }).collect();
     let mut head = head(overview);
     head.extend(["driver", "worst failure"].map(Column::text));
     head.push(Column::number("avoidable injury / 1,000"));

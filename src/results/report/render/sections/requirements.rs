@@ -2,21 +2,21 @@ use std::collections::BTreeMap;
 
 use super::names::{place, who};
 use crate::record::CellKey;
-use crate::report::aggregate::Counted;
+use crate::report::Findings;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
-use crate::report::{CellRequirement, Findings};
-use crate::tables::Cell;
+use crate::tables::{Cell, FAULT_VIOLATION_RATE, JUDGED, Metric, NO_VERDICT, REQUIREMENT, VIOLATION_RATE};
 use verdict::NoVerdict;
 
 /// The rates of violations of a campaign's requirements; `None` without requirements.
 pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let (cells, found) = (&all.cells, &all.gathered.requirements);
-    let by_cell: BTreeMap<(&CellKey, &str), &CellRequirement> =
-        found.iter().map(|each| ((&each.key, each.name.as_str()), each)).collect();
-    let mut names: Vec<(&str, Option<NoVerdict>)> = Vec::new();
-    for each in found {
-        if !names.iter().any(|(name, _)| *name == each.name) {
-            names.push((&each.name, each.no_verdict));
+    let by_cell: BTreeMap<(&CellKey, String), &Cell> =
+        found.iter().map(|each| ((&each.key, each.text(&REQUIREMENT)), each)).collect();
+    let mut names: Vec<(String, Option<NoVerdict>)> = Vec::new();
+    for each in found.iter() {
+        let name = each.text(&REQUIREMENT);
+        if !names.iter().any(|(known, _)| *known == name) {
+            names.push((name, NoVerdict::named(&each.text(&NO_VERDICT))));
         }
     }
     if names.is_empty() {
@@ -24,31 +24,31 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     }
     let mut head = vec![Column::text("driver").key(), Column::text("town").key(), Column::text("pedestrian").key()];
     for (name, no_verdict) in &names {
-        head.push(Column::number(*name));
+        head.push(Column::number(name.as_str()));
         if no_verdict.is_none() {
             head.push(Column::number("fault"));
         }
     }
-    let rate = |cell: &Cell, name: &str, counted: Counted| {
-        by_cell.get(&(&cell.key, name)).map_or_else(
+    let rate = |cell: &Cell, name: &str, metric: &Metric| {
+        by_cell.get(&(&cell.key, name.to_owned())).map_or_else(
             || Value::from("–"),
-            |each| match (each.episodes(), each.sums(counted)) {
+            |each| match (each.count(&JUDGED), each.whole(metric)) {
                 (0, _) => "not run".into(),
-                (episodes, (_, 0)) => format!("never applied (0 of {episodes})").into(),
-                (_, (part, applied)) => Value::rate(&each.rate(counted), part, applied),
+                (episodes, 0) => format!("never applied (0 of {episodes})").into(),
+                _ => Value::share(each, metric),
             },
         )
     };
     let row = |cell: &Cell| {
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
         for (name, no_verdict) in &names {
-            let shown = rate(cell, name, CellRequirement::ALL);
+            let shown = rate(cell, name, &VIOLATION_RATE);
             row.push(match all.gathered.failures.worst_violation(&cell.key, name) {
                 Some(failure) => Value::Played(Box::new(shown), failure.name()),
                 None => shown,
             });
             if no_verdict.is_none() {
-                row.push(rate(cell, name, CellRequirement::FAULTS));
+                row.push(rate(cell, name, &FAULT_VIOLATION_RATE));
             }
         }
         row

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::record::CellKey;
 use crate::report::{DriverResult, SearchCell, SearchFailures};
 use crate::tables::metrics::AVOIDABLE_INJURY;
-use crate::tables::{Cell, Metric};
+use crate::tables::{Cell, GOAL, Metric};
 
 /// The scale of a campaign's rates: in each setting the rate of a driver that sees no pedestrians; without one, the highest rate of the others.
 #[derive(Debug)]
@@ -85,7 +85,7 @@ impl<'a> Scale<'a> {
         let value = |result: &DriverResult| searched(&result.searched?);
         let searches = |driver: &str| -> BTreeSet<_> {
             let own = self.searches.iter().filter(|cell| cell.key.policy == driver);
-            own.map(|cell| (&cell.key.town, &cell.key.falsifier, cell.key.block, &cell.goal)).collect()
+            own.map(|cell| (&cell.key.town, &cell.key.falsifier, cell.key.block, cell.text(&GOAL))).collect()
         };
         let own = searches(&result.driver.name);
         let peers = self.drivers.iter().filter(|other| searches(&other.driver.name) == own);

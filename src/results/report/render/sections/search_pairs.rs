@@ -1,7 +1,10 @@
 use std::collections::BTreeMap;
 
-use crate::report::SearchComparison;
+use crate::record::columns::{DRIVER, TOWN};
+use crate::report::SearchPair;
 use crate::report::render::table::{Column, Table, Value};
+use crate::tables::metrics::RUNS;
+use crate::tables::{DIFFERENCE, DIFFERENCES, FIGURE, IS_OF_METHODS, METHOD, OTHER, P_HOLM};
 
 /// The greatest number of rows of a kind on a page; the file of the table has all.
 const MOST: usize = 60;
@@ -18,33 +21,29 @@ const SHOWN: [(&str, &str); 4] = [
 const ALPHA: f64 = 0.05;
 
 /// Pairs of falsifiers and pairs of drivers, a table each; none of a kind without any pair.
-pub fn search_pairs(compared: &[SearchComparison]) -> Vec<Table> {
+pub fn search_pairs(compared: &[SearchPair]) -> Vec<Table> {
     let kinds = [("Searches in pairs", true), ("Drivers in pairs", false)];
     let of = |(title, of_falsifiers)| {
-        let found: Vec<_> = compared.iter().filter(|found| found.is_of_falsifiers() == of_falsifiers).collect();
+        let found: Vec<_> = compared.iter().filter(|found| found.holds(&IS_OF_METHODS) == of_falsifiers).collect();
         (!found.is_empty()).then(|| table(title, &found))
     };
     kinds.into_iter().filter_map(of).collect()
 }
 
-fn table(title: &str, found: &[&SearchComparison]) -> Table {
+fn table(title: &str, found: &[&SearchPair]) -> Table {
     let mut head: Vec<Column> = ["search", "place", "less"].map(Column::text).into();
     head.extend(SHOWN.map(|(_, head)| Column::number(head)));
-    let mut pairs: Vec<&SearchComparison> = Vec::new();
-    for each in found {
-        // The figures of a pair are consecutive.
-        if !pairs.last().is_some_and(|last| last.is_of_same_pair(each)) {
-            pairs.push(each);
-        }
-    }
-    let row = |pair: &&SearchComparison| {
-        let other = if pair.is_of_falsifiers() { &pair.other.0 } else { &pair.other.1 };
-        let mut row =
-            vec![Value::from(&pair.one.0), format!("{} · {}", pair.town, pair.one.1).into(), Value::from(other)];
+    // The figures of a pair are consecutive.
+    let pairs: Vec<&[&SearchPair]> = found.chunk_by(|one, next| one.key == next.key).collect();
+    let row = |figures: &&[&SearchPair]| {
+        let pair = figures[0];
+        let place = format!("{} · {}", pair.text(&TOWN), pair.text(&DRIVER));
+        let other = other(pair, if pair.holds(&IS_OF_METHODS) { METHOD.name } else { DRIVER.name });
+        let mut row = vec![Value::from(&pair.text(&METHOD)), place.into(), other.into()];
         row.extend(SHOWN.map(|(figure, _)| {
-            let of = found.iter().find(|each| each.figure == figure && each.is_of_same_pair(pair));
+            let of = figures.iter().find(|each| each.text(&FIGURE) == figure);
             of.map_or(Value::Number(None, 2), |of| {
-                Value::Lines(vec![difference(of), Value::Text(probability(of.p_holm))])
+                Value::Lines(vec![difference(of), Value::Text(probability(of.number(P_HOLM)))])
             })
         }));
         row
@@ -56,11 +55,16 @@ fn table(title: &str, found: &[&SearchComparison]) -> Table {
 }
 
 /// The difference with its interval; with too few runs for one, the values of the single runs.
-fn difference(found: &SearchComparison) -> Value {
-    match found.interval {
-        Some(interval) => Value::Difference(Some(found.difference), Some(interval)),
-        None => Value::Runs(found.differences.clone(), 2, true),
+fn difference(found: &SearchPair) -> Value {
+    match found.ends(DIFFERENCE) {
+        None => Value::Runs(found.list(DIFFERENCES), 2, true),
+        interval => Value::Difference(found.number(DIFFERENCE), interval),
     }
+}
+
+/// A name of the other side.
+fn other(pair: &SearchPair, column: &str) -> String {
+    pair.text_of(&format!("{column}{OTHER}"))
 }
 
 fn probability(p: Option<f64>) -> String {
@@ -72,9 +76,9 @@ fn probability(p: Option<f64>) -> String {
 }
 
 /// What a terminal says below the table of methods: which of them find more than by chance. `None` without any pair of falsifiers.
-pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
-    let pairs: Vec<&SearchComparison> = compared.iter().filter(|found| found.is_of_falsifiers()).collect();
-    let runs = pairs.iter().map(|found| found.runs).max()?;
+pub fn findings_of_pairs(compared: &[SearchPair]) -> Option<String> {
+    let pairs: Vec<&SearchPair> = compared.iter().filter(|found| found.holds(&IS_OF_METHODS)).collect();
+    let runs = pairs.iter().map(|found| found.whole_number(RUNS.name)).max()?;
     if runs < 2 {
         return Some("One run of each search cannot tell which one finds more: ask for `runs: 4` or more.".into());
     }
@@ -94,13 +98,15 @@ pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
 }
 
 /// The falsifiers that have more of a figure than others, each with the number of towns and drivers where that is so.
-fn winners(pairs: &[&SearchComparison], figure: &str, does: &str) -> Vec<String> {
-    let mut places: BTreeMap<(&str, &str), [usize; 2]> = BTreeMap::new();
-    for found in pairs.iter().filter(|found| found.figure == figure) {
-        let (one, other) = (found.one.0.as_str(), found.other.0.as_str());
-        let is_told = found.p_holm.is_some_and(|p| p < ALPHA);
-        for (better, worse, more) in [(one, other, found.difference > 0.0), (other, one, found.difference < 0.0)] {
-            let [told, all] = places.entry((better, worse)).or_default();
+fn winners(pairs: &[&SearchPair], figure: &str, does: &str) -> Vec<String> {
+    let mut places: BTreeMap<(String, String), [usize; 2]> = BTreeMap::new();
+    for found in pairs.iter().filter(|found| found.text(&FIGURE) == figure) {
+        let (one, other) = (found.text(&METHOD), other(found, METHOD.name));
+        let is_told = found.number(P_HOLM).is_some_and(|p| p < ALPHA);
+        let difference = found.number(DIFFERENCE).unwrap_or_default();
+        let sides = [((one.clone(), other.clone()), difference > 0.0), ((other, one), difference < 0.0)];
+        for (sides, more) in sides {
+            let [told, all] = places.entry(sides).or_default();
             *told += usize::from(is_told && more);
             *all += 1;
         }
@@ -112,28 +118,49 @@ fn winners(pairs: &[&SearchComparison], figure: &str, does: &str) -> Vec<String>
 
 #[cfg(test)]
 mod tests {
+    use polars::prelude::{Column as Values, DataFrame, NamedFrom, PlSmallStr, Scalar, Series};
+
     use super::*;
+    use crate::tables::Rows;
+
+    /// Two falsifiers against one driver in a town, by their failed starts.
+    fn pair(town: &str, sides: [&str; 2], differences: &[f64], p_holm: f64) -> SearchPair {
+        let text = |name: &str, text: &str| Values::new_scalar(name.into(), Scalar::from(PlSmallStr::from(text)), 1);
+        let number = |name: &str, number: f64| Values::new_scalar(name.into(), Scalar::from(number), 1);
+        let columns = vec![
+            text(TOWN.name, town),
+            text(DRIVER.name, "driver"),
+            text(METHOD.name, sides[0]),
+            text(&format!("{}{OTHER}", METHOD.name), sides[1]),
+            text(FIGURE.name, "failed_starts"),
+            Values::new_scalar(IS_OF_METHODS.name.into(), Scalar::from(true), 1),
+            number(RUNS.name, differences.len() as f64),
+            number(DIFFERENCE, differences.iter().sum::<f64>() / differences.len() as f64),
+            number(P_HOLM, p_holm),
+            Series::new(DIFFERENCES.into(), [Series::new("".into(), differences)]).into(),
+        ];
+        Rows::new(DataFrame::new(1, columns).unwrap(), |_, _| Ok(0)).unwrap()[0].clone()
+    }
 
     #[test]
     fn a_falsifier_finds_more_only_where_the_difference_is_beyond_chance() {
-        let of = SearchComparison::of_failed_starts;
         let differences = [4.0, 5.0, 6.0];
-        let told = |compared: &[SearchComparison]| findings_of_pairs(compared).unwrap();
+        let told = |compared: &[SearchPair]| findings_of_pairs(compared).unwrap();
         let (chance, meet) = ("chance", "meet");
-        let clear = of("a", [chance, meet], &differences.map(|more| -more), 0.01);
-        let unclear = of("b", [chance, meet], &differences, 0.3);
+        let clear = pair("a", [chance, meet], &differences.map(|more| -more), 0.01);
+        let unclear = pair("b", [chance, meet], &differences, 0.3);
         assert!(
             told(&[clear, unclear.clone()]).contains("`meet` fails from more starts than `chance` in 1 of 2 places.")
         );
         assert!(told(&[unclear]).contains("no search is shown to find more"));
-        assert!(told(&[of("a", [chance, meet], &[9.0], 0.01)]).contains("One run"));
+        assert!(told(&[pair("a", [chance, meet], &[9.0], 0.01)]).contains("One run"));
         assert_eq!(findings_of_pairs(&[]), None);
     }
 
     #[test]
     fn a_pair_without_an_interval_shows_its_runs() {
-        let pair = SearchComparison::of_failed_starts("a", ["chance", "meet"], &[4.0, 5.0, 6.0], 0.03);
-        let tables = search_pairs(&[pair]);
+        let shown = pair("a", ["chance", "meet"], &[4.0, 5.0, 6.0], 0.03);
+        let tables = search_pairs(&[shown]);
         assert_eq!(tables.len(), 1, "no drivers are compared");
         let text = tables[0].to_markdown();
         assert!(text.contains("+4.00 +5.00 +6.00 (3 runs)<br>p = 0.030"), "{text}");

@@ -2,6 +2,10 @@ use super::search_pairs::{findings_of_pairs, search_pairs};
 use crate::record::in_block;
 use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
 use crate::report::{Findings, Rate, SearchCell};
+use crate::tables::{
+    FAILED_STARTS, FAULT_COUNT, FAULT_STARTS, FIRST_FAILURE, GOAL, SIMULATIONS_MEAN, SIMULATIONS_MEDIAN, STARTS,
+    median_column,
+};
 use compile::SearchKey;
 
 /// How to read the tables.
@@ -21,7 +25,7 @@ const READING: [&str; 4] = [
 
 /// The falsifiers, and which of them find more than another one; `None` without a search.
 pub fn searches(found: &Findings<'_>) -> Option<Section> {
-    let (cells, compared) = (&found.searches, &found.search_comparisons);
+    let (cells, compared) = (&found.searches, &found.search_pairs);
     // Nothing is known of a search that tried no start.
     let is_known = !cells.iter().any(SearchCell::is_empty);
     (!cells.is_empty()).then(|| Section {
@@ -51,18 +55,20 @@ fn falsifiers(cells: &[SearchCell]) -> Table {
         Column::text("faults found").page_only(),
     ]);
     let row = |cell: &SearchCell| {
-        let simulations = cell.simulations_to_first().map(|(mean, median)| format!("{mean:.0}, {median:.0}"));
+        let [runs, falsified] = cell.runs();
+        let simulations = cell.number(SIMULATIONS_MEAN.name).zip(cell.number(SIMULATIONS_MEDIAN.name));
+        let simulations = simulations.map(|(mean, median)| format!("{mean:.0}, {median:.0}"));
         vec![
             who(cell).into(),
             Value::from(&cell.key.town),
             Value::from(&cell.key.policy),
-            Value::Times(cell.runs as u64, cell.budget),
-            Value::Of((cell.runs - cell.censored) as u64, cell.runs as u64),
-            Value::Number(cell.first_failure, 0),
+            Value::Times(runs, cell.budget()),
+            Value::Of(falsified, runs),
+            Value::Number(cell.number(&median_column(FIRST_FAILURE)), 0),
             simulations.unwrap_or_else(|| "–".into()).into(),
             failed_starts(cell),
-            of_starts(&cell.fault_starts, &cell.starts),
-            Value::average(&cell.faults, 1),
+            of_starts(&cell.rate(FAULT_STARTS), &cell.rate(STARTS.name)),
+            Value::average(&cell.rate(FAULT_COUNT), 1),
         ]
     };
     Table { place: Place::Everywhere, head, rows: cells.iter().map(row).collect(), ..Table::default() }
@@ -75,7 +81,8 @@ fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
             let same = |key: &SearchKey| (key.block, key.town.clone(), key.policy.clone());
             other.key.method == "random" && cell.key.method != "random" && same(&other.key) == same(&cell.key)
         });
-        chance.map(|chance| chance.failed_starts.value).any(|found| found > cell.failed_starts.value)
+        let found = |cell: &SearchCell| cell.rate(FAILED_STARTS).value;
+        chance.map(found).any(|chance| chance > found(cell))
     };
     let names: Vec<String> = cells.iter().filter(outdone).map(SearchCell::in_full).collect();
     (!names.is_empty()).then(|| {
@@ -89,14 +96,14 @@ fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
 
 /// The falsifier, with the requirement that it tried to violate; with the number of its block when that is not the first.
 pub fn who(cell: &SearchCell) -> String {
-    let SearchCell { key, goal, .. } = cell;
-    let goal = goal.as_ref().map_or_else(String::new, |goal| format!(", goal {goal}"));
+    let (key, goal) = (&cell.key, cell.text(&GOAL));
+    let goal = if goal.is_empty() { goal } else { format!(", goal {goal}") };
     format!("{}{}{goal}", key.falsifier, in_block(key.block))
 }
 
 /// The starts from which a failure was found, of those from which the falsifier searched.
 pub fn failed_starts(cell: &SearchCell) -> Value {
-    of_starts(&cell.failed_starts, &cell.starts)
+    of_starts(&cell.rate(FAILED_STARTS), &cell.rate(STARTS.name))
 }
 
 /// A number of starts of all starts from which a falsifier searched: the means over runs, or each of few runs.
