@@ -146,7 +146,7 @@ pub mod results {
     #[doc(inline)]
     pub use results::store::{Known, Limits, StoreError};
     #[doc(inline)]
-    pub use results::tables::{Cell, Cells, Metric, metrics};
+    pub use results::tables::{Cell, Cells, Metric, Row, Rows, metrics};
     #[doc(inline)]
     pub use verdict::Verdict;
 }

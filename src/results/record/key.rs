@@ -26,9 +26,9 @@ pub struct CellKey {
     pub train_policy: String,
 }
 
-/// A town, and the simulator if it is another one.
+/// A town, and the simulator if it is another one; a search names none.
 pub fn in_world(town: &str, world: &str) -> String {
-    if world == HERE { town.into() } else { format!("{town} ({world})") }
+    if ["", HERE].contains(&world) { town.into() } else { format!("{town} ({world})") }
 }
 
 /// `, block 2` of the block with this number; nothing of the first.
@@ -66,7 +66,7 @@ impl CellKey {
 
     /// `harbour`, or `harbour (metadrive)` in another simulator.
     pub fn place(&self) -> String {
-        in_world(&self.town, self.simulator())
+        in_world(&self.town, &self.world)
     }
 
     /// Whether the controller comes from a training.

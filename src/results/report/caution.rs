@@ -3,10 +3,10 @@ use std::fmt;
 use super::aggregate::SearchCell;
 use super::off_road::{OffRoadDriver, off_road};
 use crate::jobs::SearchResult;
-use crate::record::CellKey;
 use crate::record::columns::{TOWN, WORLD};
-use crate::tables::Cells;
+use crate::record::in_world;
 use crate::tables::metrics::{COLLISIONS, MACHINE_PREVENTABLE_COLLISIONS, UNPREVENTABLE_COLLISIONS};
+use crate::tables::{Cells, Metric, Row};
 
 /// Fewer collisions than this say nothing about the starts.
 const MIN_COLLISIONS: u64 = 10;
@@ -66,19 +66,21 @@ pub fn cautions(cells: &Cells, results: &[SearchResult], searches: &[SearchCell]
 /// The towns in which nearly all collisions are beyond careful humans, whoever drives. A baseline that sees no pedestrian collides also where others
 /// would not, so beside one there is seldom such a town.
 fn no_chance(cells: &Cells) -> Vec<Caution> {
-    let by_town =
-        cells.sums(&[WORLD, TOWN], &[&COLLISIONS, &MACHINE_PREVENTABLE_COLLISIONS, &UNPREVENTABLE_COLLISIONS]);
-    let caution = |(key, [collisions, machine, unpreventable]): (CellKey, [u64; 3])| {
+    const COUNTS: [&Metric; 3] = [&COLLISIONS, &MACHINE_PREVENTABLE_COLLISIONS, &UNPREVENTABLE_COLLISIONS];
+    let caution = |town: &Row<()>| {
+        let [collisions, machine, unpreventable] = COUNTS.map(|count| town.whole_number(count.name));
         let unavoidable = machine + unpreventable;
         let nearly_all = collisions >= MIN_COLLISIONS && unavoidable as f64 > MAX_UNAVOIDABLE * collisions as f64;
-        nearly_all.then(|| Caution::NoChance { town: key.place(), collisions, unavoidable })
+        let town = in_world(&town.text(&TOWN), &town.text(&WORLD));
+        nearly_all.then_some(Caution::NoChance { town, collisions, unavoidable })
     };
-    by_town.into_iter().filter_map(caution).collect()
+    cells.sums(&[WORLD, TOWN], &COUNTS).iter().filter_map(caution).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::CellKey;
     use crate::tables::Cell;
 
     #[test]

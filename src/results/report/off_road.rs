@@ -3,6 +3,7 @@ use std::fmt;
 
 use crate::jobs::SearchResult;
 use crate::record::columns::{DRIVER, TOWN, WORLD};
+use crate::record::in_world;
 use crate::tables::metrics::{ALL_EPISODES, LEFT_OUT_EPISODES, LEFT_ROAD_EPISODES, PLACED_STARTS, ROAD_END_EPISODES};
 use crate::tables::{Cells, Metric};
 
@@ -10,7 +11,7 @@ use crate::tables::{Cells, Metric};
 const MAX_FRACTION: f64 = 0.05;
 
 /// A driver that often does not reach the starts of its episodes or leaves the road, as one that does not follow its route.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct OffRoadDriver {
     pub policy: String,
     /// The town, with the simulator if that is another one.
@@ -82,22 +83,14 @@ impl fmt::Display for OffRoadDriver {
 pub fn off_road(cells: &Cells, searches: &[SearchResult]) -> Vec<OffRoadDriver> {
     let mut sums: BTreeMap<(String, String), OffRoadDriver> = BTreeMap::new();
     let mut at = |policy: &String, place: String, add: &dyn Fn(&mut OffRoadDriver)| {
-        let none = OffRoadDriver {
-            policy: policy.clone(),
-            place: place.clone(),
-            episodes: 0,
-            placed: 0,
-            left_road: 0,
-            road_end: 0,
-            left_out: 0,
-            searched: (0, 0),
-        };
+        let none = OffRoadDriver { policy: policy.clone(), place: place.clone(), ..OffRoadDriver::default() };
         add(sums.entry((policy.clone(), place)).or_insert(none));
     };
     const COUNTS: [&Metric; 5] =
         [&ALL_EPISODES, &PLACED_STARTS, &LEFT_ROAD_EPISODES, &ROAD_END_EPISODES, &LEFT_OUT_EPISODES];
-    for (key, [episodes, placed, left_road, road_end, left_out]) in cells.sums(&[DRIVER, TOWN, WORLD], &COUNTS) {
-        at(&key.policy, key.place(), &|driver| {
+    for row in cells.sums(&[DRIVER, TOWN, WORLD], &COUNTS).iter() {
+        let [episodes, placed, left_road, road_end, left_out] = COUNTS.map(|count| row.whole_number(count.name));
+        at(&row.text(&DRIVER), in_world(&row.text(&TOWN), &row.text(&WORLD)), &|driver| {
             *driver = OffRoadDriver { episodes, placed, left_road, road_end, left_out, ..driver.clone() };
         });
     }

@@ -121,7 +121,7 @@ impl<'a> Overview<'a> {
 
 /// The columns that all rows of a report share.
 fn columns(variant: &Variant<'_>, parameters: &[&str]) -> Vec<Expr> {
-    let text = |value: Option<&str>| value.map_or_else(|| lit(NULL).cast(DataType::String), |value| lit(value));
+    let text = |value: Option<&str>| value.map_or_else(|| lit(NULL).cast(DataType::String), lit);
     let seed = value(variant, SEED);
     let campaign = variant.report.replace(&format!("-seed-{}", seed.unwrap_or_default()), "");
     let settings = parameters.iter().map(|name| text(value(variant, name)).alias(overview::setting_column(name)));

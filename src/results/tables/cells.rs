@@ -6,7 +6,6 @@ use super::metrics::{MEAN, METRICS, RUNS};
 use super::requirements::APPLIED;
 use super::statistics::{interval, over_runs};
 use super::{Metric, Rate, Row, Rows};
-use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::record::{CellKey, Column, ColumnReference, Role, Table, cell_key};
 use base::statistics::{ClusteredCount, wilson};
 
@@ -73,26 +72,19 @@ impl Cells {
         Ok([of(col(IS_COPY.name).not())?, of(col(IS_COPY.name))?])
     }
 
-    /// Sums of counts over all cells that agree in these parts of the key, in the order of the parts' values; the other parts are empty.
+    /// Sums of counts over all cells that agree in these parts of the key, in the order of the parts' values.
     ///
     /// # Panics
     /// Never: the table has these columns.
-    pub fn sums<const N: usize>(&self, by: &[Column<String>], counts: &[&Metric; N]) -> Vec<(CellKey, [u64; N])> {
+    pub fn sums(&self, by: &[Column<String>], counts: &[&Metric]) -> Rows<()> {
         if self.is_empty() {
-            return Vec::new();
+            return Rows::default();
         }
         let keys: Vec<Expr> = by.iter().map(|column| col(column.name)).collect();
         let sums: Vec<Expr> = counts.iter().map(|count| col(count.name).cast(DataType::UInt64).sum()).collect();
-        let table = self.table().clone().lazy().group_by_stable(keys.clone()).agg(sums);
-        let table =
-            table.sort_by_exprs(keys, SortMultipleOptions::default()).collect().expect("the table has these columns");
-        let count = |row: usize, name: &str| table.column(name).ok()?.u64().ok()?.get(row);
-        let row = |row: usize| {
-            let part = |column: &Column<String>| column.value(&table, row).ok().flatten().unwrap_or_default();
-            let key = CellKey { town: part(&TOWN), policy: part(&DRIVER), world: part(&WORLD), ..CellKey::default() };
-            (key, counts.map(|metric| count(row, metric.name).unwrap_or_default()))
-        };
-        (0..table.height()).map(row).collect()
+        let sums = self.table().clone().lazy().group_by_stable(keys.clone()).agg(sums);
+        let sums = sums.sort_by_exprs(keys, SortMultipleOptions::default()).collect();
+        sums.and_then(|sums| Rows::new(sums, |_, _| Ok(()))).expect("the table has these columns")
     }
 
     /// Which parts of the key differ.
@@ -191,17 +183,17 @@ impl Row<CellKey> {
     }
 
     pub fn runs(&self) -> u32 {
-        self.whole_number(RUNS.name)
+        self.whole_number(RUNS.name) as u32
     }
 
     /// A count over all runs.
     pub fn count(&self, metric: &Metric) -> u32 {
-        self.whole_number(metric.name)
+        self.whole_number(metric.name) as u32
     }
 
     /// The sum of which a share is the ratio.
     pub fn part(&self, metric: &Metric) -> u32 {
-        self.whole_number(&metric.part_column())
+        self.whole_number(&metric.part_column()) as u32
     }
 
     /// The sum to which a metric is a ratio.

@@ -8,7 +8,7 @@ use polars::prelude::{
 use super::cells::IS_FIXED_CASES;
 use super::metrics::{EPISODES, FAULT_RATE, MEAN, RUNS, compared};
 use super::searches::{FAILED_STARTS, FAULT_START_RATE, METHOD, OTHER, STARTS};
-use super::statistics::{interval, over_runs, statistic, student};
+use super::statistics::{interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
 use base::statistics::mean_p;
 use compile::{HERE, NO_REWARD};
@@ -56,8 +56,7 @@ fn columns() -> [Vec<(String, [Expr; 2])>; 2] {
         + text(col(REWARD.name).neq(lit(NO_REWARD)), lit(" ") + col(REWARD.name))
         + text(is_trained().and(is_away), lit(" (") + training() + lit(")"));
     let block = || text(col(BLOCK.name).gt(lit(0)), lit(", block ") + col(BLOCK.name).cast(DataType::String));
-    let setup = [VEHICLE.name, BODY.name, WORLD.name].map(|name| lit(", ") + col(name));
-    let [vehicle, body, world] = setup;
+    let [vehicle, body, world] = [VEHICLE.name, BODY.name, WORLD.name].map(|name| lit(", ") + col(name));
     let mut shown = vec![
         (DRIVER.name.to_owned(), [col(DRIVER.name), col(DRIVER.name)]),
         (TOWN.name.into(), [col(TOWN.name), col(TOWN.name)]),
@@ -143,8 +142,7 @@ pub(crate) fn over_seeds(rows: &DataFrame, settings: &[String]) -> PolarsResult<
             .alias(EPISODES.name),
     );
     for metric in compared() {
-        all.extend(over_runs(metric.name, col(metric.name)));
-        all.extend(interval(metric.name, [col(metric.name)], |[seeds]| student(seeds, (0.0, 1.0))));
+        all.extend(over_runs_with_student(metric.name, (0.0, 1.0)));
     }
     let name = [DRIVER.name, TOWN.name, WHO].map(col);
     grouped(rows, settings)?

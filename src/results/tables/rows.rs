@@ -76,8 +76,8 @@ impl<K> Row<K> {
     }
 
     /// The whole number in a column; 0 if it is missing.
-    pub fn whole_number(&self, column: &str) -> u32 {
-        self.number(column).map_or(0, |number| number as u32)
+    pub fn whole_number(&self, column: &str) -> u64 {
+        self.number(column).map_or(0, |number| number as u64)
     }
 
     /// Whether a column holds.

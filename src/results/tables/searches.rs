@@ -6,7 +6,7 @@ use polars::prelude::{
 };
 
 use super::metrics::{MEAN, RUNS};
-use super::statistics::{interval, over_runs_with_student, statistic, student};
+use super::statistics::{interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, DRIVER, REWARD, RUN, TOWN};
 use crate::record::{Column, ColumnReference, Role};
 use base::statistics::{MIN_RUNS, clopper_pearson, holm, mean_interval_at, mean_p};
@@ -95,7 +95,7 @@ pub(crate) fn search_cells(searches: &DataFrame) -> PolarsResult<DataFrame> {
     for figure in [STARTS.name, FAILED_STARTS, FAULT_COUNT, FAULT_STARTS, INJURY] {
         all.extend(over_runs_with_student(figure, (0.0, f64::INFINITY)));
     }
-    all.extend(super::statistics::over_runs(FAULT_START_RATE, col(FAULT_START_RATE)));
+    all.extend(over_runs(FAULT_START_RATE, col(FAULT_START_RATE)));
     all.extend(interval(FAULT_START_RATE, [FAULT_START_RATE, FAULT_STARTS, STARTS.name].map(col), rate_of_starts));
     searches.clone().lazy().with_row_index(PLACE.name, None).group_by_stable(cell_columns().map(col)).agg(all).collect()
 }

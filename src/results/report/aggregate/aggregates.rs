@@ -144,7 +144,7 @@ pub fn aggregate_episodes(
             }
             gathered.failures.add(&run.key, &episodes);
             judged.add(&judged_table().frame(&degrees)).map_err(failed)?;
-            gathered.failures.add_violations(&run.key.cell, &degrees);
+            gathered.failures.add_violations(&degrees);
         }
         gathered.all_tried &= tried == evaluation.episodes as usize;
         if tried > 0 && !is_copy {

@@ -32,14 +32,14 @@ pub struct SearchFailures {
 
 impl From<&Row<String>> for SearchFailures {
     fn from(driver: &Row<String>) -> Self {
-        let count = |column| driver.number(column).unwrap_or_default() as usize;
+        let count = |column| driver.whole_number(column) as usize;
         Self {
             all: count(FAILURE_COUNT),
             preventable: count(PREVENTABLE_COUNT),
             fault: count(FAULT_COUNT),
             injury_per_thousand: driver.number(INJURY),
             fault_start_rate: driver.number(FAULT_START_RATE),
-            episodes: count(SEARCH_EPISODES) as u64,
+            episodes: driver.whole_number(SEARCH_EPISODES),
         }
     }
 }

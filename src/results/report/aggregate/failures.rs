@@ -8,27 +8,23 @@ use crate::record::{CellKey, EpisodeTable, RunKey};
 /// Maximum number of failures of a driver that are listed. The table `failures` has all.
 const MAX_PER_DRIVER: usize = 100;
 
-/// The worst failures of each driver, gathered run by run in memory that does not grow with the number of episodes.
+/// The worst failures of each driver, gathered run by run in memory that does not grow with the number of episodes. Their order is [`Failure::worse_first`], which a
+/// table has no column of.
 #[derive(Debug, Clone, Default)]
 pub struct Failures {
     drivers: BTreeMap<String, Vec<Failure>>,
-    /// The worst failure of each cell that has any.
-    worst: BTreeMap<CellKey, Failure>,
-    /// The worst violation of each requirement in each cell that has any, but those that the touch of a collision decides, in the order of first appearance.
-    violations: Vec<(CellKey, Failure)>,
+    /// The worst collision of each cell, and its worst violation of each requirement but those that the touch of a collision decides, in the order of first
+    /// appearance.
+    worst: Vec<Failure>,
     /// The places of these, by cell and requirement.
-    violated: BTreeMap<(CellKey, String), usize>,
+    places: BTreeMap<(CellKey, Option<String>), usize>,
 }
 
 impl Failures {
     /// Adds the collisions of a run or of a part of it: rows of a table of episodes.
     pub fn add(&mut self, key: &RunKey, table: &EpisodeTable<'_>) {
         for found in table.rows().filter_map(|row| Failure::of_collision(table, row, key)) {
-            match self.worst.get_mut(&key.cell) {
-                Some(worst) if found.worse_first(worst).is_lt() => worst.clone_from(&found),
-                Some(_) => {}
-                None => drop(self.worst.insert(key.cell.clone(), found.clone())),
-            }
+            self.compare(&found);
             self.insert(found);
         }
     }
@@ -39,33 +35,30 @@ impl Failures {
     }
 
     /// Adds the violations of a run or of a part of it that count.
-    pub fn add_violations(&mut self, key: &CellKey, rows: &[RequirementRow]) {
+    pub fn add_violations(&mut self, rows: &[RequirementRow]) {
         let is_own = |row: &&RequirementRow| row.counts && row.degree.is_violated() && !row.violation.at_collision;
-        for found in rows.iter().filter(is_own).map(RequirementRow::failure) {
-            let requirement = found.violation.as_ref().map(|found| found.requirement.clone()).unwrap_or_default();
-            let place = *self.violated.entry((key.clone(), requirement)).or_insert(self.violations.len());
-            match self.violations.get_mut(place) {
-                Some((_, worst)) if found.worse_first(worst).is_lt() => *worst = found,
-                Some(_) => {}
-                None => self.violations.push((key.clone(), found)),
-            }
+        rows.iter().filter(is_own).for_each(|row| self.compare(&row.failure()));
+    }
+
+    /// Keeps a failure if it is the worst of its kind in its cell.
+    fn compare(&mut self, found: &Failure) {
+        let requirement = found.violation.as_ref().map(|violation| violation.requirement.clone());
+        let place = *self.places.entry((found.key.cell.clone(), requirement)).or_insert(self.worst.len());
+        match self.worst.get_mut(place) {
+            Some(worst) if found.worse_first(worst).is_lt() => worst.clone_from(found),
+            Some(_) => {}
+            None => self.worst.push(found.clone()),
         }
     }
 
-    /// The worst violation of a requirement in a cell.
-    pub fn worst_violation(&self, cell: &CellKey, requirement: &str) -> Option<&Failure> {
-        let place = self.violated.get(&(cell.clone(), requirement.to_owned()))?;
-        Some(&self.violations[*place].1)
+    /// The worst violation of each requirement in each cell that has any.
+    pub fn violations(&self) -> impl Iterator<Item = &Failure> {
+        self.worst.iter().filter(|found| found.violation.is_some())
     }
 
-    /// The worst violation of each requirement in each cell that has any, with its cell.
-    pub fn violations(&self) -> &[(CellKey, Failure)] {
-        &self.violations
-    }
-
-    /// The failure of a cell's evaluation that counts most against its driver; `None` without a collision.
-    pub fn worst_of(&self, cell: &CellKey) -> Option<&Failure> {
-        self.worst.get(cell)
+    /// The failure of a cell's evaluation that counts most against its driver: a collision, or a violation of a requirement; `None` without any.
+    pub fn worst_of(&self, cell: &CellKey, requirement: Option<&str>) -> Option<&Failure> {
+        Some(&self.worst[*self.places.get(&(cell.clone(), requirement.map(str::to_owned)))?])
     }
 
     /// The worst failures of a driver, one of each start of a run, the worst first; at most 100.

@@ -17,7 +17,7 @@ type Row<'a> = (&'a Cell, Option<&'static str>, Option<&'a Failure>);
 /// The table to open first: one row for each cell.
 pub fn results(found: &Findings<'_>) -> DataFrame {
     let beats = |cell| Some(found.evidence(cell)?.learning.as_ref()?.beats_untrained().name());
-    let worst = |cell: &Cell| found.gathered.failures.worst_of(&cell.key);
+    let worst = |cell: &Cell| found.gathered.failures.worst_of(&cell.key, None);
     let rows: Vec<Row<'_>> = found.cells.iter().map(|cell| (cell, beats(cell), worst(cell))).collect();
     results_table().frame(&rows)
 }

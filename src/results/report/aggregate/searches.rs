@@ -100,7 +100,7 @@ pub fn search_table() -> Table<'static, SearchResult> {
         INJURY,
         "sum of the severe-injury risks of the faults, for 1,000 of `episodes`; what a careful human would have \
          spared",
-        |row| injury(row),
+        injury,
     )
     .count(
         "evaluated_episodes",
@@ -150,7 +150,7 @@ fn evaluated(result: &SearchResult, blame: Option<Blame>) -> u64 {
     counted.filter(|each| blame.is_none_or(|blame| is(blame, each))).count() as u64
 }
 
-/// Searches with all columns that the tables made of them need.
+/// The searches with the further columns that the tables made of them need.
 pub fn all_of_searches(results: &[SearchResult]) -> DataFrame {
     search_table().columns(more()).frame(results)
 }
@@ -189,12 +189,12 @@ impl Row<SearchKey> {
 
     /// The number of its runs, and of those that found a failure.
     pub fn runs(&self) -> [u64; 2] {
-        [RUNS.name, FALSIFIED].map(|column| self.whole_number(column).into())
+        [RUNS.name, FALSIFIED].map(|column| self.whole_number(column))
     }
 
     /// The budget of each run (simulator ticks).
     pub fn budget(&self) -> u64 {
-        self.number(BUDGET.name).map_or(0, |budget| budget as u64)
+        self.whole_number(BUDGET.name)
     }
 
     /// Whether no run tried a start, so that nothing is known.

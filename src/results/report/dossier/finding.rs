@@ -10,7 +10,7 @@ use verdict::cause::{Cause, MAX_RUNS_OF_PROGRAM};
 /// The listed failures that count against their drivers, each finding once, the worst first.
 pub fn shown(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure> {
     let of_driver = |driver: &crate::report::DriverResult| found.gathered.failures.of(&driver.driver.name);
-    let violations = found.gathered.failures.violations().iter().map(|(_, failure)| failure);
+    let violations = found.gathered.failures.violations();
     let all = found.drivers.iter().flat_map(of_driver).chain(violations).filter(|failure| failure.fault);
     let mut all: Vec<&Failure> = all.collect();
     all.sort_by(|one, other| one.worse_first(other));

@@ -97,7 +97,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
             settings.iter().map(|name| Some(row.text_of(&setting_column(name))).filter(|text| !text.is_empty()));
         let mut words: Vec<Value> = settings.map(|value| value.as_deref().unwrap_or("–").into()).collect();
         words.extend([DRIVER.name, TOWN.name, WHO].map(text));
-        words.push(Value::Count(row.whole_number(SEEDS).into()));
+        words.push(Value::Count(row.whole_number(SEEDS)));
         words
     };
     let head = |figures: Vec<Column>| {

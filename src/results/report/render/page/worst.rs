@@ -24,7 +24,7 @@ pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a F
         ranked.sort_by(|a, b| one_of_each_first(*a, *b));
         ranked.into_iter().map(|(_, found)| found).take(most)
     };
-    let violations = failures.violations().iter().map(|(_, found)| found).take(MAX_VIOLATIONS);
+    let violations = failures.violations().take(MAX_VIOLATIONS);
     of(false, MAX_LISTED.0).chain(of(true, MAX_LISTED.1)).chain(violations).collect()
 }
 

@@ -36,7 +36,7 @@ pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
         !found.drivers.iter().any(|each| each.driver.name == cell.policy && each.driver.is_external())
     });
     of_cells.for_each(|(_, name)| add(&mut names, name, MAX_PLAYED));
-    let violations = found.gathered.failures.violations().iter().map(|(_, failure)| failure);
+    let violations = found.gathered.failures.violations();
     let own = violations.filter(|failure| !is_external(&failure.key.cell.policy)).take(MAX_VIOLATIONS);
     own.for_each(|failure| add(&mut names, failure.name(), MAX_PLAYED));
     let of_list = listed(&found.drivers, &found.gathered.failures).into_iter();

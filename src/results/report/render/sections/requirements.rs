@@ -43,7 +43,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
         for (name, no_verdict) in &names {
             let shown = rate(cell, name, &VIOLATION_RATE);
-            row.push(match all.gathered.failures.worst_violation(&cell.key, name) {
+            row.push(match all.gathered.failures.worst_of(&cell.key, Some(name)) {
                 Some(failure) => Value::Played(Box::new(shown), failure.name()),
                 None => shown,
             });
