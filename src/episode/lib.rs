@@ -21,6 +21,7 @@ mod simulation;
 pub mod walker;
 mod play;
 mod evaluate;
+mod unbraked;
 mod recorded;
 
 pub use evaluate::{evaluate, evaluate_observed};

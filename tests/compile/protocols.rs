@@ -473,3 +473,24 @@ fn every_row_of_un_r152_is_a_cell_as_in_the_reference() {
         assert!((found - listed(limit)[0]).abs() < 1e-9, "{row:?}: {found}");
     }
 }
+
+/// Each driver passes a case that a car passes which never brakes. Without any other case a test says nothing, and is refused.
+#[test]
+fn a_test_that_cannot_fail_is_refused() {
+    let of = |spawn: &str, ticks: u32| {
+        compiled(&format!(
+            "edition 1\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\nepisode hasty {{ ticks: {ticks} friction: 0.9 }}\n\
+             campaign c {{ vehicle: model3 body: adult_target spawn: {spawn} episode: hasty\n\
+             evaluate {{ towns: [test_track] drivers: [blind, idm] pedestrians: [scripted] }} }}"
+        ))
+    };
+    for ticks in [40, 90, 120] {
+        let said = of("cpna", ticks).unwrap_err();
+        assert!(said.contains("passes 18 of the 18 cases"), "{ticks}: {said}");
+    }
+    assert!(of("cpna", 140).is_ok());
+    // At 10 km/h the touch with the disc comes 0.09 s after the headway, at 20 km/h 0.03 s.
+    let plan = of("cpla", 121).unwrap();
+    let scenario = &plan.campaigns[0].nth::<compile::Evaluation>(1).scenario;
+    assert_eq!(scenario.decisive_cases(), [false, true, true, true, true, true]);
+}

@@ -11,6 +11,7 @@ fn compiled(block: &str) -> Result<Campaign, String> {
     let text = format!(
         "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\nimport \"std/towns.scn\"\n\
          spawn near {{ bearing: -60 deg .. 60 deg distance: 7 m .. 40 m }}\n\
+         spawn far {{ bearing: 170 deg .. -170 deg distance: 60 m .. 70 m }}\n\
          spawn one {{ bearing: 10 deg distance: 20 m }}\n\
          spawn held = crossing_test(meeting: (0 m, -1.75 m, 0 deg), test_speeds: [30 km/h], overlaps: [50 percent], \
          approach: 75 percent .. 100 percent, headway: 8 s)\n\
@@ -41,7 +42,19 @@ fn a_driver_that_sees_nobody_fails_all_over_the_layer_and_its_picture_says_so() 
     let coverage = &found.coverage;
     assert!(found.is_covered(cover) && found.errors == 0 && found.unplaced == 0, "{:?}", coverage.looks);
     assert_eq!(coverage.failures(), coverage.points.len() as u64, "without braking every point meets the car");
-    assert_eq!(found.shown, Some(1.0));
+    assert_eq!((found.shown, found.unbraked_share()), (Some(1.0), 1.0));
+}
+
+#[test]
+fn a_box_in_which_a_car_that_never_brakes_fails_nowhere_is_refused() {
+    let block = |budget: u32| {
+        format!(
+            "cover {{ towns: [harbour] drivers: [idm] spawn: far pedestrian: intercept failure: collision epsilon: 10 percent budget: {budget} }}"
+        )
+    };
+    assert!(covers(&block(300), 1).is_empty());
+    let [(_, found)] = &covers(&block(20), 1)[..] else { panic!("too few starts to refuse it") };
+    assert_eq!(found.unbraked, (0, 20));
 }
 
 #[test]

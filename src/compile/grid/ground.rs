@@ -9,7 +9,7 @@ use crate::lowering::{BuiltTown, Lowering, MadeDriver};
 use crate::plan::NamedTown;
 use crate::policy;
 use crate::role::Roles;
-use base::diagnostic::Span;
+use base::diagnostic::{Severity, Span};
 use base::seed::Seed;
 use base::signature::{DeclarationId, short};
 use episode::requirement::NamedRequirement;
@@ -297,6 +297,33 @@ impl Lowering<'_> {
 }
 
 impl Lowering<'_> {
+    /// Whether a test of a ground can fail in all its towns, as its own target walks: a car that never brakes does not pass all its cases. Reports the
+    /// cases that it passes. A file with errors is not tried.
+    pub(crate) fn can_fail(
+        &mut self,
+        at: Nested<'_>,
+        ground: &Ground,
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
+        rule: &Axis<EpisodeRule>,
+    ) -> bool {
+        if self.said.iter().any(|each| each.severity == Severity::Error) {
+            return true;
+        }
+        // The driver makes no difference.
+        let places = ground.places().step_by(ground.policies.len().max(1));
+        for (place, (car, walker)) in places.flat_map(|place| bodies.iter().map(move |body| (place, body))) {
+            let scenario = place.scenario(car, walker, rule, &RewardRule::default(), &[].into());
+            let cases = scenario.decisive_cases();
+            let passed = cases.iter().filter(|fails| !**fails).count();
+            if passed > 0 {
+                let span = at.campaign.place("episode");
+                self.said.push(diagnostics::idle_test(span, &ground.spawn.name, passed, cases.len()));
+                return passed < cases.len();
+            }
+        }
+        true
+    }
+
     /// Whether these bodies can walk the test of a ground in all its towns: as it states if `states` it, otherwise at their highest speed. Reports it
     /// otherwise.
     pub(crate) fn walks_test(

@@ -197,6 +197,17 @@ pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
         .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"))
 }
 
+/// A car that brakes for nobody passes cases of a test: their number, and that of all cases.
+pub fn idle_test(span: Span, test: &str, passed: usize, cases: usize) -> Diagnostic {
+    let message = format!("a car that never brakes passes {passed} of the {cases} cases of `{test}`");
+    let idle = if passed == cases {
+        Diagnostic::error("idle-test", span, message).here("so it tests nothing")
+    } else {
+        Diagnostic::warning("idle-test", span, message).here("they count as not run, so there is no score")
+    };
+    idle.help("car and target do not meet: give the `episode` more `ticks` than the `headway` takes, and a longer road")
+}
+
 /// A test of a protocol without its own target.
 pub fn untested(span: Span, test: &str) -> Diagnostic {
     Diagnostic::warning("untested", span, format!("nobody walks the test `{test}` as it states"))
@@ -257,6 +268,13 @@ pub fn unusable_command(span: Span, command: &str, reason: &str) -> Diagnostic {
 pub fn unusable_model(span: Span, path: &str, reason: &str, is_missing: bool) -> Diagnostic {
     let unusable = Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"));
     if is_missing { unusable.help("paths are relative to the folder of the file that names them") } else { unusable }
+}
+
+/// A network takes this long (s) for a decision.
+pub fn slow_model(span: Span, path: &str, seconds: f64) -> Diagnostic {
+    Diagnostic::warning("slow-model", span, format!("the model `{path}` takes {seconds:.1} s for a decision"))
+        .here(format!("an episode with 600 of them takes {:.0} minutes", seconds * 10.0))
+        .help("use a smaller network, or one without loops and wide layers")
 }
 
 /// A network takes too much memory or time.

@@ -1,12 +1,14 @@
 //! Numbers with their units: single ones, whole ones, ranges, distributions, places.
 
+use std::f64::consts::{PI, TAU};
+
 use super::distribution::distribution;
 use super::{Context, unfit};
 use crate::ast::{Expression, ExpressionKind, Known};
 use crate::diagnostics;
 use crate::formula::{Scope, Sort, formula};
 use base::diagnostic::{Diagnostic, Span};
-use base::signature::{MAX_MAGNITUDE, MIN_POSITIVE, Type, Value, VariableId, bounds, short};
+use base::signature::{Distribution, MAX_MAGNITUDE, MIN_POSITIVE, Type, Value, VariableId, bounds, short};
 use base::units::Dimension;
 
 /// A constant quantity.
@@ -82,6 +84,17 @@ pub(super) fn drawn(
     if is_list && !is_formula(expression) || matches!(expression.kind, ExpressionKind::Text(_)) {
         return unfit(expression, ty, context, diagnostics);
     }
+    let is_circle = dimension == Dimension::ANGLE && (min, max) == (-PI, PI);
+    if let (true, ExpressionKind::Range(low, high)) = (is_circle, &expression.kind) {
+        let (a, b) = (quantity(low, dimension, context, diagnostics), quantity(high, dimension, context, diagnostics));
+        let (a, b) = (a?, b?);
+        // It goes across 180 degrees, the shorter way.
+        let mut parts = vec![(PI - a, Distribution::Uniform(a, PI)), (b + PI, Distribution::Uniform(-PI, b))];
+        parts.retain(|(width, _)| *width > 0.0);
+        if (PI..TAU).contains(&(a - b)) && a <= PI && b >= -PI {
+            return Some(Value::Distribution(Distribution::mixture(parts)));
+        }
+    }
     let drawn = distribution(expression, dimension, context, diagnostics)?;
     let (low, high) = drawn.support();
     if low == f64::NEG_INFINITY && min > low || high == f64::INFINITY && max < high {
@@ -89,9 +102,29 @@ pub(super) fn drawn(
         diagnostics.push(diagnostics::unbounded(span, context.sources.text(span), &allowed));
         return None;
     }
+    if is_circle && (low < -PI || high > PI) {
+        let allowed = bounds(min, max, dimension);
+        let mut beyond = diagnostics::out_of_range(span, context.sources.text(span).to_string(), allowed);
+        if let (ExpressionKind::Range(..), Some(fitting)) = (&expression.kind, around(low, high)) {
+            beyond = beyond.fix(fitting);
+        }
+        diagnostics.push(beyond);
+        return None;
+    }
     within(low, min, max, dimension, span, context, diagnostics)?;
     within(high, min, max, dimension, span, context, diagnostics)?;
     Some(Value::Distribution(drawn))
+}
+
+/// The directions of a range of angles (rad), written with numbers from -180 to 180 degrees: across 180 degrees the first is the greater one. `None` for
+/// more than a half turn and less than a whole one.
+fn around(low: f64, high: f64) -> Option<String> {
+    let degrees = |angle: f64| short(((PI - (PI - angle).rem_euclid(TAU)).to_degrees() * 1e6).round() / 1e6);
+    match high - low {
+        width if width >= TAU - 1e-9 => Some("-180 deg .. 180 deg".into()),
+        width if width <= PI => Some(format!("{} deg .. {} deg", degrees(low), degrees(high))),
+        _ => None,
+    }
 }
 
 /// A point, or a pose: a point and a heading.

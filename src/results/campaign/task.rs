@@ -42,6 +42,15 @@ pub enum TaskError {
     /// No encounter counted.
     #[error("no episode counts: driver or pedestrian failed, or the driver never arrived")]
     NoEncounter,
+    /// What it counts cannot happen: it never does to a driver that brakes for nobody.
+    #[error(
+        "refused: a car that never brakes failed in none of {points} starts of the box, so it says nothing of drivers that brake; give the `episode` more \
+         `ticks`, or the box starts from which the pedestrian reaches the car"
+    )]
+    CannotFail {
+        /// The starts that it tried.
+        points: u64,
+    },
     /// It reached its time limit.
     #[error("not finished within the {seconds} s that a task may take")]
     Time {

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
-use base::seed::Seed;
+use super::cover::uniform;
+use base::seed::{Seed, Stream};
 use episode::walker::WalkPolicy;
 use episode::{
     Draw, DrawnParameter, Outcome, Recorded, Scenario, Simulation, SpawnRule, StartParameter, Trace, place, play,
@@ -34,6 +35,11 @@ impl BoxOfStarts {
 
     pub fn parameters(&self) -> &[DrawnParameter] {
         &self.parameters
+    }
+
+    /// A point that is drawn uniformly.
+    pub fn any_point(&self, stream: &mut Stream) -> Vec<f64> {
+        uniform(self.parameters.len(), stream)
     }
 
     /// The values of the parameters (SI) at a point of the unit box.

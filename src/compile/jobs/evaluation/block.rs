@@ -77,7 +77,11 @@ impl Lowering<'_> {
             self.said.push(diagnostics::untested(block.place("pedestrians"), &ground.spawn.name));
         }
         let cases = test.map(|walk| walk.cases.len() as u32);
-        if cases.is_some() && !self.walks_test(at, &ground, &all, true, grid.usual.rule.value.tick) {
+        let rule = &grid.usual.rule;
+        let tests = cases.is_some();
+        if tests
+            && !(self.walks_test(at, &ground, &all, true, rule.value.tick) && self.can_fail(at, &ground, &all, rule))
+        {
             return;
         }
         if let (Some(episodes), Some(cases)) = (episodes, cases)

@@ -3,15 +3,17 @@ mod section;
 mod table;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::{Kind, Measurement};
 use crate::campaign::{Part, TaskError};
 use crate::report::Group;
+use base::seed::Seed;
 use compile::Cover;
-use episode::{Outcome, Trace};
-use search::likelihood::{BoxOfStarts, CoverConfig, Coverage, cover};
+use episode::{Criterion, Outcome, Trace};
+use search::likelihood::{BoxOfStarts, CoverConfig, Coverage, cover, encounters_needed};
 pub use section::percent_above;
 use table::{COVER_POINTS, COVERS, Covering};
 use verdict::{Blame, Judged};
@@ -42,6 +44,8 @@ type Row<'a> = (&'a Cover, &'a FoundInBox);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundInBox {
     pub coverage: Coverage,
+    /// In how many starts of the box a driver that never brakes fails, and how many of these it tried.
+    pub unbraked: (u64, u64),
     /// The share of the box that the picture of the look with the least bound shows as failing; `None` if it ended before its first look.
     pub shown: Option<f64>,
     /// Points of the box for which no place on the road was found. They count as passed.
@@ -58,6 +62,11 @@ impl FoundInBox {
     /// The bound of the share of the box that is worse than the picture; `None` before the first look has ended.
     pub fn bound(&self) -> Option<f64> {
         self.coverage.best().map(|look| look.bound)
+    }
+
+    /// The share of the box in which a driver that never brakes fails.
+    pub fn unbraked_share(&self) -> f64 {
+        self.unbraked.0 as f64 / self.unbraked.1 as f64
     }
 
     /// Whether the bound is small enough for its cover.
@@ -97,6 +106,10 @@ impl Measurement for Cover {
 
     fn measure(&self, part: &Part<'_>) -> (Option<FoundInBox>, Option<TaskError>) {
         let seed = self.seed(part.seed);
+        let unbraked = match unbraked(self, part, &seed.child("unbraked")) {
+            Ok(unbraked) => unbraked,
+            Err(error) => return (None, error),
+        };
         let walker = self.walker.walk_policy();
         let mut starts = BoxOfStarts::new(&self.scenario, walker, seed.child("starts"));
         let dimensions = starts.parameters().len();
@@ -129,8 +142,30 @@ impl Measurement for Cover {
         };
         let coverage: Coverage = cover(&config, &seed.child("points"), &mut experiment);
         let shown = coverage.best().map(|look| coverage.shown(&coverage.picture(look)));
-        (Some(FoundInBox { coverage, shown, unplaced, left_out, errors, ticks }), error)
+        (Some(FoundInBox { coverage, unbraked, shown, unplaced, left_out, errors, ticks }), error)
     }
+}
+
+/// In how many starts of the box of a cover a driver that never brakes fails, and how many it tried: so many that none bounds its share by the epsilon. Then
+/// that driver is covered, too, and the cover is refused, unless it is about another requirement, which such a driver may hold.
+fn unbraked(cover: &Cover, part: &Part<'_>, seed: &Seed) -> Result<(u64, u64), Option<TaskError>> {
+    let scenario = Arc::new(cover.scenario.unbraked());
+    let mut starts = BoxOfStarts::new(&scenario, cover.walker.walk_policy(), seed.child("starts"));
+    let wanted = encounters_needed(cover.epsilon);
+    let tried = wanted.min(cover.budget.into());
+    let mut failed = 0;
+    for number in 0..tried {
+        if part.stop() {
+            return Err(None);
+        }
+        let at = starts.any_point(&mut seed.child("points").index(number).stream());
+        let fails = |(outcome, trace): (Outcome, &Trace)| outcome.counts() && has_failed(cover, &outcome, trace);
+        failed += u64::from(starts.run(&at, number).is_some_and(fails));
+    }
+    if failed == 0 && tried == wanted && cover.criterion == Criterion::Collision {
+        return Err(Some(TaskError::CannotFail { points: tried }));
+    }
+    Ok((failed, tried))
 }
 
 /// Whether an episode is what a cover counts.

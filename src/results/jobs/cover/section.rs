@@ -15,7 +15,8 @@ pub fn covers(found: &Findings<'_>) -> Option<Section> {
          are chance: a part of the bound, not of the box. A point of the box for which the road has no place counts as passed.",
         "The *picture* is a local regression over the episodes before the check. The *check* runs fresh episodes, uniform in the box, and counts those that fail \
          where the picture says that they pass. The bound is Clopper and Pearson's, one-sided; all checks of a box share the 5 %, so the last one may be \
-         believed. *Shown as failing* is the other side: a picture that shows everything as failing is never wrong, and says nothing.",
+         believed. *Shown as failing* is the other side: a picture that shows everything as failing is never wrong, and says nothing. *Never braking* is the share of the box in which a car fails that never brakes: that a driver \
+         passes in the rest says nothing of it.",
         "It is about this box, this pedestrian and these towns. It says nothing about other starts or about people.",
     ];
     Some(Section {
@@ -66,6 +67,7 @@ fn table(rows: &[Row<'_>]) -> Table {
         Column::text("worse than shown").page_only(),
         Column::text("better than shown").detail(),
         Column::number("shown as failing"),
+        Column::number("never braking"),
         Column::number("failures"),
         Column::number("episodes"),
         Column::number("checks").detail(),
@@ -88,6 +90,7 @@ fn table(rows: &[Row<'_>]) -> Table {
             look.map_or_else(none, |look| Value::Of(look.worse, look.points)),
             look.map_or_else(none, |look| Value::Of(look.better, look.points)),
             found.shown.map_or_else(none, Value::Percent),
+            Value::Percent(found.unbraked_share()),
             Value::Count(coverage.failures()),
             Value::Count(coverage.points.len() as u64),
             Value::Count(coverage.looks.len() as u64),

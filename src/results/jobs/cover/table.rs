@@ -38,6 +38,7 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .count("worse", "of these failed where the picture says that they pass", move |row| look(row, |look| look.worse))
     .number("shown", "share of the box that the picture shows as failing", |row| row.1.shown)
+    .number("unbraked", "share of the box in which a driver that never brakes fails, in a sample of starts", |row| Some(row.1.unbraked_share()))
     .count("episodes", "episodes in all", |row| row.1.coverage.points.len() as u64)
     .count(
         "unplaced",

@@ -31,6 +31,8 @@ pub struct ProtocolCell {
     pub impact_speed: Option<f64>,
     /// Whether an episode has no result: an error, of its driver for example, or it is left out.
     pub failed: bool,
+    /// The friction of the road; `None` if the car's own figures hold.
+    pub friction: Option<f64>,
     /// How the protocol judges.
     pub criterion: TestCriterion,
     /// The name of the worst collision, for `replay`; `None` without one.
@@ -60,6 +62,10 @@ choice! {
 
 /// The tolerance of the test speed (m/s): 1 km/h.
 const HELD: f64 = 1.0 / 3.6;
+
+/// The number of test speeds of Euro NCAP's tests, and the friction of the library's track.
+const SPEEDS: usize = 6;
+const FRICTION: f64 = 0.9;
 
 impl Colour {
     /// The share of the points of a cell.
@@ -96,6 +102,17 @@ impl ProtocolCell {
     /// Whether it has a result at the test speed, which counts.
     pub fn is_tested(&self) -> bool {
         self.is_run() && self.is_held() != Some(false)
+    }
+
+    /// What differs from the protocols' tests in these cells of a row, whose result is not comparable then: `3 of 6 speeds, no friction`.
+    pub fn caveats(row: &[&Self]) -> String {
+        let is_euro_ncap = row.iter().any(|cell| cell.criterion == TestCriterion::EuroNcap);
+        let speeds = (is_euro_ncap && row.len() < SPEEDS).then(|| format!("{} of {SPEEDS} speeds", row.len()));
+        let friction = match row.first().and_then(|cell| cell.friction) {
+            None => Some("no friction".to_string()),
+            Some(friction) => (friction != FRICTION).then(|| format!("friction {friction}")),
+        };
+        [speeds, friction].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     /// The greatest impact speed that passes (m/s).
@@ -157,6 +174,7 @@ impl ProtocolCell {
             not_passed: 0,
             impact_speed: None,
             failed: false,
+            friction: None,
             criterion: walk.criterion,
             worst: None,
             setup: Default::default(),
@@ -197,6 +215,8 @@ pub fn passed_share(cells: &[ProtocolCell]) -> Option<f64> {
 pub(super) struct ProtocolRun<'a> {
     id: String,
     walk: &'a TargetWalk,
+    /// Which cases can fail ([`episode::Scenario::decisive_cases`]). The others count as not run.
+    decisive: Vec<bool>,
     cells: Vec<ProtocolCell>,
 }
 
@@ -208,9 +228,10 @@ impl<'a> ProtocolRun<'a> {
         let id = evaluation.origin.id.to_string();
         let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
         let setup = [&evaluation.vehicle, &evaluation.adversary, &evaluation.world].map(ToString::to_string);
-        let cell = |case| ProtocolCell { setup: setup.clone(), ..ProtocolCell::new(names, walk, case) };
+        let friction = evaluation.scenario.episode.friction;
+        let cell = |case| ProtocolCell { setup: setup.clone(), friction, ..ProtocolCell::new(names, walk, case) };
         let cells = (0..walk.cases.len()).map(cell).collect();
-        Some(Self { id, walk, cells })
+        Some(Self { id, walk, decisive: evaluation.scenario.decisive_cases(), cells })
     }
 
     /// Adds episodes: a part of the table of the run, and which of its rows repeat none before.
@@ -223,7 +244,7 @@ impl<'a> ProtocolRun<'a> {
                 continue;
             }
             // Repeating an episode to the bit says nothing.
-            if !new[row] {
+            if !new[row] || !self.decisive[case] {
                 continue;
             }
             let impact =
@@ -246,6 +267,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
         let spawn = &search.scenario.spawn;
         let Some(walk) = &spawn.target_walk else { continue };
         let names = ("", search.key.town.as_str(), search.key.policy.as_str(), spawn.name.as_str());
+        let decisive = search.scenario.decisive_cases();
         for case in 0..walk.cases.len() {
             let mut cell = ProtocolCell::new(names, walk, case);
             cell.falsifier = Some(search.key.falsifier.clone());
@@ -257,7 +279,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
             });
             let (worst, number) = judged.fold((0.0, None), |worst, each| if each.0 > worst.0 { each } else { worst });
             let name = || number.map(|number| format!("{}:{number}", search.origin.id));
-            if !result.spent.starts.iter().any(here) {
+            if !result.spent.starts.iter().any(here) || worst == 0.0 && !decisive[case] {
                 continue;
             }
             match all.iter_mut().find(|known| known.falsifier == cell.falsifier && known.is_same_case(&cell)) {
@@ -299,7 +321,7 @@ pub fn protocol_table() -> Table<'static, ProtocolCell> {
             Column::<f64>::new("driven_speed_mps", "m/s", "speed at the start; empty for searches")
                 .of(|row: &Row| row.driven_speed),
         )
-        .column(Column::<u32>::new("tested", "", "number of different episodes, or of searches; 0 for a case that was not run").of(|row: &Row| row.episodes))
+        .column(Column::<u32>::new("tested", "", "number of different episodes, or of searches; 0 for a case that was not run, or that a car passes that never brakes").of(|row: &Row| row.episodes))
         .column(Column::<u32>::new("not_passed", "", "how many of these the protocol does not pass").of(|row: &Row| row.not_passed))
         .column(
             Column::<f64>::new(
@@ -378,6 +400,19 @@ mod tests {
             assert_eq!(passes, colours.map(|colour| colour != Red), "a cell with points passes, at {speed} km/h");
         }
         assert_eq!(cell(35.0, 9.0, TestCriterion::EuroNcap).colour(), None, "no colours are published there");
+    }
+
+    #[test]
+    fn few_cells_and_another_friction_are_said_beside_a_score() {
+        let of = |speeds: &[f64], friction, criterion| {
+            let cell = |speed: &f64| ProtocolCell { friction, ..cell(*speed, 0.0, criterion) };
+            let cells: Vec<ProtocolCell> = speeds.iter().map(cell).collect();
+            ProtocolCell::caveats(&cells.iter().collect::<Vec<_>>())
+        };
+        let all = [10.0, 20.0, 30.0, 40.0, 50.0, 60.0];
+        assert_eq!(of(&all, Some(0.9), TestCriterion::EuroNcap), "");
+        assert_eq!(of(&all[..3], None, TestCriterion::EuroNcap), "3 of 6 speeds, no friction");
+        assert_eq!(of(&all[..3], Some(0.5), TestCriterion::NoCollision), "friction 0.5");
     }
 
     #[test]

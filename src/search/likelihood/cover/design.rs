@@ -7,7 +7,7 @@ use base::seed::Stream;
 const APART: f64 = 0.7;
 
 /// Draws a point of the unit box.
-pub(super) fn uniform(dimensions: usize, stream: &mut Stream) -> Vec<f64> {
+pub(in super::super) fn uniform(dimensions: usize, stream: &mut Stream) -> Vec<f64> {
     (0..dimensions).map(|_| stream.random()).collect()
 }
 

@@ -23,7 +23,8 @@ pub use picture::{Picture, Point, Sampled};
 use std::ops::ControlFlow;
 
 use base::seed::Seed;
-use design::{uncertain, uniform};
+use design::uncertain;
+pub(super) use design::uniform;
 use look::{bound, share_of_look, size};
 
 /// What is to be shown, and at what cost.

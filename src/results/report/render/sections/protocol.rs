@@ -7,7 +7,7 @@ use episode::TestCriterion;
 
 /// How to read the tables.
 const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column, or without a collision a word alone. Along the path it is the speed \
-     of the car less that of the target. *Not tested* is a cell whose test speed the driver did not hold within 1 km/h, with the speed that it drove (km/h), `–` a case that was not run. A test is over when the car has \
+     of the car less that of the target. *Not tested* is a cell whose test speed the driver did not hold within 1 km/h, with the speed that it drove (km/h), `–` a case that was not run, or that also a car passes that never brakes. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), a cell without \
      points is not passed, and a row with a case that was not run has no score. Others pass without a collision, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
@@ -15,7 +15,7 @@ const READING: &str = "A cell is the impact speed (km/h) at the test speed of it
      share: \"0 of 20: at most 14 %\". Episodes that are equal to the bit are one.";
 /// Shown below the tables in a terminal.
 const LEGEND: [&str; 2] = [
-    "cells: impact speed (km/h) of a collision; not tested: it did not hold the test speed, but drove this; –: not run",
+    "cells: impact speed (km/h) of a collision; not tested: it did not hold the test speed, but drove this; –: not run, or passed also by a car that never brakes",
     "passed: cells with points, or below the limit; a driver can pass a cell with a collision",
 ];
 /// Why colours, passes and verdicts differ.
@@ -83,23 +83,28 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
         }
     }
     let row = |(policy, overlap): &(&str, f64)| {
-        let of: Vec<&&ProtocolCell> =
-            cells.iter().filter(|cell| cell.policy == *policy && cell.overlap == *overlap).collect();
+        let of: Vec<&ProtocolCell> =
+            cells.iter().copied().filter(|cell| cell.policy == *policy && cell.overlap == *overlap).collect();
         let mut row = vec![Value::Code((*policy).into()), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().find(|cell| cell.test_speed == *speed);
             cell.map_or_else(|| "–".into(), |cell| played(cell))
         }));
         let passed = of.iter().filter(|cell| cell.is_tested() && cell.passes() == Some(true)).count();
-        row.extend(coloured.then(|| Value::Number(score(of.iter().map(|cell| **cell)), 2)));
-        row.push(passes(passed, &of));
+        let caveats = ProtocolCell::caveats(&of);
+        row.extend(coloured.then(|| match score(of.iter().copied()) {
+            Some(score) if !caveats.is_empty() => Value::Warning(format!("{score:.2}: {caveats}")),
+            score => Value::Number(score, 2),
+        }));
+        row.push(passes(passed, &of, if coloured { "" } else { &caveats }));
         row
     };
     Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
 }
 
-/// How many cells of a row were passed, of those that were run, and how many of these had a collision: `3 of 3, 1 with a collision, 3 not run`.
-fn passes(passed: usize, of: &[&&ProtocolCell]) -> Value {
+/// How many cells of a row were passed, of those that were run, and how many of these had a collision: `3 of 3, 1 with a collision, 3 not run`;
+/// then what else is to be said.
+fn passes(passed: usize, of: &[&ProtocolCell], caveats: &str) -> Value {
     let tested = || of.iter().filter(|cell| cell.is_tested());
     let hit = tested().filter(|cell| cell.passes() == Some(true) && cell.impact_speed > Some(0.0)).count();
     let run = of.iter().filter(|cell| cell.is_run()).count();
@@ -109,6 +114,9 @@ fn passes(passed: usize, of: &[&&ProtocolCell]) -> Value {
         if count > 0 {
             text += &format!(", {count} {what}");
         }
+    }
+    if !caveats.is_empty() {
+        text += &format!(", {caveats}");
     }
     Value::Text(text)
 }
