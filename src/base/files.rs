@@ -56,6 +56,11 @@ pub fn first_link(folder: &Path) -> io::Result<Option<PathBuf>> {
     Ok(first)
 }
 
+/// The same path for all paths of one file; a path without a file stays as it is.
+pub fn identity(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}
+
 /// The bytes of a file.
 ///
 /// # Errors
@@ -69,7 +74,31 @@ pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     // Room for the whole file, and for one byte more to see that it has ended.
     let mut bytes = Vec::with_capacity(size as usize + 1);
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_BYTES { Err(too_long()) } else { Ok(bytes) }
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(too_long());
+    }
+    if bytes.starts_with(b"version https://git-lfs.github.com/spec/") {
+        return invalid("it is a pointer of Git LFS, not the file itself: run `git lfs pull`".into());
+    }
+    Ok(bytes)
+}
+
+/// How files begin that are no text, and what to do about them.
+const NO_TEXT: [(&[u8], &str); 7] = [
+    (b"\x1f\x8b", "it is compressed with gzip: unpack it, as `gunzip --keep FILE` does"),
+    (b"\x28\xb5\x2f\xfd", "it is compressed with Zstandard: unpack it, as `unzstd FILE` does"),
+    (b"\xfd7zXZ\0", "it is compressed with xz: unpack it, as `unxz --keep FILE` does"),
+    (b"BZh", "it is compressed with bzip2: unpack it, as `bunzip2 --keep FILE` does"),
+    (b"PK\x03\x04", "it is a ZIP archive or an office document: unpack it, or save it as text"),
+    (
+        b"PAR1",
+        "it is a Parquet table: save it as CSV, as pandas does with `read_parquet(FILE).to_csv(NAME, index=False)`",
+    ),
+    (b"\x89HDF", "it is an HDF5 file: save what it holds as text"),
+];
+
+fn invalid<T>(what: String) -> io::Result<T> {
+    Err(io::Error::new(io::ErrorKind::InvalidData, what))
 }
 
 /// The text of a file.
@@ -95,7 +124,10 @@ pub fn text_of(stream: impl Read) -> io::Result<String> {
 
 /// The text of bytes in UTF-8. The error names another encoding that the bytes show or their XML declares.
 fn decoded(bytes: Vec<u8>) -> io::Result<String> {
-    let other = |what: &str| Err(io::Error::new(io::ErrorKind::InvalidData, format!("{what}: save it as UTF-8")));
+    let other = |what: &str| invalid(format!("{what}: save it as UTF-8"));
+    if let Some((_, what)) = NO_TEXT.iter().find(|(start, _)| bytes.starts_with(start)) {
+        return invalid((*what).into());
+    }
     if matches!(bytes.as_slice(), [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1..=255, ..] | [1..=255, 0, ..]) {
         return other("it is UTF-16 text");
     }
@@ -135,6 +167,10 @@ mod tests {
         assert_eq!(said(&[&[0xff, 0xfe][..], &utf_16].concat()), "it is UTF-16 text: save it as UTF-8");
         let latin = b"<?xml version=\"1.0\" encoding='ISO-8859-1'?><road name=\"Stra\xdfe\"/>";
         assert_eq!(said(latin), "it is ISO-8859-1 text: save it as UTF-8");
+        assert!(said(b"\x1f\x8b\x08\0").starts_with("it is compressed with gzip: unpack it"));
+        assert!(said(b"PAR1\x15\x04").starts_with("it is a Parquet table: save it as CSV"));
+        fs::write(&path, "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n").unwrap();
+        assert!(text(&path).unwrap_err().to_string().ends_with("run `git lfs pull`"));
         // Sparse, so that it takes no room.
         File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
         assert_eq!(bytes(&path).unwrap_err().to_string(), "it has more than 256 MiB");

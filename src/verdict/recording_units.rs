@@ -124,19 +124,22 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
     let found = of_reading(0);
     let mean =
         |reading| stretches.iter().map(|stretch| deviation(stretch, reading)).sum::<f64>() / stretches.len() as f64;
+    // Noise of positions turns the line of a stretch by this much (rad): what deviates less is right.
+    let doubt = noise / length * (1.0 + 2.0 / (stretches.len() as f64).sqrt());
+    let (small, misread) = (SMALL.max(doubt), MISREAD.max(doubt));
     // Numbers beyond 1 that fit much better as degrees are degrees.
     let usual = median(track.iter().map(|(pose, _)| pose.yaw.abs()));
     let is_better = |reading| of_reading(reading) < (found / 4.0).min(PI - found);
     let fits_better = |reading| mean(reading) < mean(0) / 4.0;
     let likely = match () {
-        () if found > SMALL && is_better(4) && (1..4).all(|other| mean(4) < mean(other)) => {
+        () if found > small && is_better(4) && (1..4).all(|other| mean(4) < mean(other)) => {
             "they look like compass bearings, clockwise from north; give 90 degrees less the bearing"
         }
-        () if found > SMALL && (usual > 1.0 && is_better(1) || usual > TAU && found > FRAC_PI_4) => DEGREES,
-        () if found > SMALL && is_better(3) || mean(0) > MISREAD && fits_better(3) => {
+        () if found > small && (usual > 1.0 && is_better(1) || usual > TAU && found > FRAC_PI_4) => DEGREES,
+        () if found > small && is_better(3) || mean(0) > misread && fits_better(3) => {
             "they look left-handed; of a left-handed frame change the signs of y and of the heading"
         }
-        () if found > MISREAD && is_better(2) || mean(0) > MISREAD && fits_better(2) => {
+        () if found > misread && is_better(2) || mean(0) > misread && fits_better(2) => {
             "the numbers look like radians where degrees are needed"
         }
         () if found <= FRAC_PI_4 => match lasting(&stretches, noise, reverses, of) {
@@ -302,6 +305,22 @@ mod tests {
         let shaky: Vec<_> =
             (0..2000).map(|_| (Pose::new(stream.random(), stream.random(), stream.random()), 0.0)).collect();
         assert_eq!(misfit(&shaky, DT, CAR), None, "a standing actor");
+    }
+
+    /// Near 45 degrees a compass bearing is nearly the heading, so noise decided which of them fits.
+    #[test]
+    fn noise_of_a_few_centimetres_is_not_taken_for_compass_bearings() {
+        let mut stream = Seed::root(5).stream();
+        for heading in [-2.23, 0.65, 0.785, 0.95] {
+            for _ in 0..200 {
+                let mut draw = || stream.random_range(-0.05..0.05);
+                let noisy = changed(&driven(1.4, heading)[..25], |pose, speed| {
+                    (Pose::new(pose.x + draw(), pose.y + draw(), pose.yaw), speed)
+                });
+                let found = misfit(&noisy, DT, TrackOf::Pedestrian);
+                assert!(!matches!(found, Some(Misfit::Heading { .. })), "{heading} rad: {found:?}");
+            }
+        }
     }
 
     #[test]

@@ -351,6 +351,38 @@ fn a_part_that_contradicts_its_positions_is_refused() {
     }
 }
 
+/// Boxes of data sets have the heading of the body, which a walker may turn beside its motion.
+#[test]
+fn the_heading_of_a_body_may_be_left_out_with_its_speed() {
+    let scenario = crate::case_book::scenario();
+    for off in [25.0, -25.0, 90.0, 180.0] {
+        let mut rows = CROSSING.rows(10.0);
+        rows.iter_mut().for_each(|row| row[7] += off);
+        let found = class(&scenario, &rows, 9);
+        assert!(found.ends_with("leave out speed and heading: they then come from the positions"), "{off}: {found}");
+        assert_eq!(class(&scenario, &rows, 7), "fault");
+    }
+}
+
+#[test]
+fn times_in_parts_of_a_second_are_named() {
+    let scenario = crate::case_book::scenario();
+    for (factor, unit) in [(1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")] {
+        for rate in [2.0, 10.0, 100.0] {
+            let mut rows = CROSSING.rows(rate);
+            rows.iter_mut().for_each(|row| row[0] *= factor);
+            let found = class(&scenario, &rows, 9);
+            assert!(
+                found.contains(&format!("the times look like {unit}; give 0.001 s to 0.5 s")),
+                "{rate} Hz: {found}"
+            );
+        }
+    }
+    let mut slow = CROSSING.rows(2.0);
+    slow.iter_mut().for_each(|row| row[0] *= 4.0);
+    assert!(class(&scenario, &slow, 9).contains("is 2 s; give 0.001 s"), "one frame in two seconds is one");
+}
+
 #[test]
 fn a_heading_that_is_wrong_from_end_to_end_is_refused() {
     let scenario = crate::case_book::scenario();
