@@ -13,8 +13,9 @@ use base::signature::{Form, Keys, Signature, Type, Vocabulary};
 use episode::{EpisodeRule, MapWriter};
 use world::av::external::Opener;
 
-/// Tries a network where it can do no harm, before it is loaded into this process; the error is the reason, as a part of a sentence.
-pub type NetworkTrial = dyn Fn(&[u8]) -> Result<(), String> + Send + Sync;
+/// Tries a network where it can do no harm, before it is loaded into this process. Returns the time of a decision (s) if that is long; the error is the reason,
+/// as a part of a sentence.
+pub type NetworkTrial = dyn Fn(&[u8]) -> Result<Option<f64>, String> + Send + Sync;
 
 /// A kind whose name another kind of the same form has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

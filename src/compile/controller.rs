@@ -54,10 +54,10 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Co
 
 /// A network from a file.
 fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
-    let NetworkedKeys { model } = declaration.block.keys();
+    let NetworkedKeys { model, output } = declaration.block.keys();
     let (network, properties) = lowering.network(declaration, &model, |bytes| {
         let properties = Arc::new(learn::onnx_properties(&bytes));
-        let network = Network::read(bytes).map_err(|error| error.to_string())?;
+        let network = Network::read(bytes, output.as_deref()).map_err(|error| error.to_string())?;
         Networked::check(&network)
             .map(|()| (Arc::new(network), properties))
             .map_err(|unsuitable| unsuitable.to_string())

@@ -86,11 +86,15 @@ impl Lowering<'_> {
             is_missing = error.kind() == std::io::ErrorKind::NotFound;
             reason(&error)
         });
-        if let (Ok(bytes), Some(trial)) = (&bytes, &self.catalog.network_trial)
-            && let Err(reason) = trial(bytes)
-        {
-            self.said.push(diagnostics::untrusted_model(place, path, &reason));
-            return None;
+        if let (Ok(bytes), Some(trial)) = (&bytes, &self.catalog.network_trial) {
+            match trial(bytes) {
+                Ok(None) => {}
+                Ok(Some(seconds)) => self.said.push(diagnostics::slow_model(place, path, seconds)),
+                Err(reason) => {
+                    self.said.push(diagnostics::untrusted_model(place, path, &reason));
+                    return None;
+                }
+            }
         }
         let loaded = bytes.and_then(load);
         loaded.map_err(|reason| self.said.push(diagnostics::unusable_model(place, path, &reason, is_missing))).ok()
@@ -99,8 +103,10 @@ impl Lowering<'_> {
 
 /// A network from a file.
 pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
-    let OnnxKeys { model, worlds } = declaration.block.keys();
-    let model = lowering.network(declaration, &model, |bytes| Model::read(bytes).map_err(|error| error.to_string()))?;
+    let OnnxKeys { model, output, worlds } = declaration.block.keys();
+    let model = lowering.network(declaration, &model, |bytes| {
+        Model::read(bytes, output.as_deref()).map_err(|error| error.to_string())
+    })?;
     let model = Arc::new(model);
     Some(Arc::new(move |_: &Arguments| {
         let model = model.clone();

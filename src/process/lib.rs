@@ -26,7 +26,7 @@ pub use limits::refusal;
 pub use opener::ProcessOpener;
 #[cfg(unix)]
 pub use stopping::{allow_to_stop, stop_waiting};
-pub use trial::{limit_trial, trial};
+pub use trial::{limit_trial, trial, used_seconds};
 
 #[cfg(not(unix))]
 /// Ends all children at once; there are none on this system.

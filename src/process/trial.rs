@@ -16,25 +16,28 @@ const MAX_MEMORY: u64 = 2048;
 const MAX_SECONDS: [u64; 2] = [1, 10];
 /// Maximum time of the clock, for a child that waits, and for systems without the other limits.
 const MAX_WAIT: Duration = Duration::from_secs(30);
+/// A time of a decision from which on it is told (s).
+const LONG: f64 = 0.1;
 /// Time between two looks at the child.
 const PAUSE: Duration = Duration::from_millis(1);
 
 /// The answers of all trials, by digests of their bytes.
-static REMEMBERED: Mutex<BTreeMap<[u8; 32], Result<(), String>>> = Mutex::new(BTreeMap::new());
+static REMEMBERED: Mutex<BTreeMap<[u8; 32], Result<Option<f64>, String>>> = Mutex::new(BTreeMap::new());
 
 /// Starts this program again with these words, and gives it bytes on its standard input. It should call [`limit_trial`], do with the bytes
-/// what may take the machine, and end with exit code 0 whatever the result is. The same bytes are tried once.
+/// what may take the machine, write how long that took (s), and end with exit code 0 whatever the result is. The same bytes are tried once. Returns the
+/// time if it is long.
 ///
 /// # Errors
 /// Why the trial did not reach its end, as a part of a sentence.
-pub fn trial(words: &[&str], bytes: &[u8]) -> Result<(), String> {
+pub fn trial(words: &[&str], bytes: &[u8]) -> Result<Option<f64>, String> {
     let mut remembered = REMEMBERED.lock().unwrap_or_else(PoisonError::into_inner);
     remembered.entry(*blake3::hash(bytes).as_bytes()).or_insert_with(|| started(words, bytes)).clone()
 }
 
-fn started(words: &[&str], bytes: &[u8]) -> Result<(), String> {
+fn started(words: &[&str], bytes: &[u8]) -> Result<Option<f64>, String> {
     let mut command = Command::new(this_program().map_err(|error| not_tried(&error))?);
-    command.args(words).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command.args(words).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     // Every thread reserves addresses, so one on each core could be beyond the limit.
     command.env("RTEN_NUM_THREADS", "1");
     // Ctrl-C is for us.
@@ -50,7 +53,11 @@ fn started(words: &[&str], bytes: &[u8]) -> Result<(), String> {
     let mut said = String::new();
     let _ = child.stderr.take().map(|messages| messages.take(1 << 16).read_to_string(&mut said));
     match status.map_err(|error| not_tried(&error))? {
-        Some(status) if status.success() => Ok(()),
+        Some(status) if status.success() => {
+            let mut took = String::new();
+            let _ = child.stdout.take().map(|stdout| stdout.take(1 << 10).read_to_string(&mut took));
+            Ok(took.trim().parse().ok().filter(|seconds| *seconds > LONG))
+        }
         Some(_) if said.contains("memory allocation") => {
             Err(format!("loading and running it once needs more than {} MiB of memory", max_memory()))
         }
@@ -111,6 +118,16 @@ fn max_memory() -> u64 {
 fn max_seconds(bytes: usize) -> u64 {
     let [least, greatest] = MAX_SECONDS;
     least + (greatest - least) * bytes as u64 / MAX_BYTES
+}
+
+/// The time of the processor that this process has used (s); 0 on systems other than Unix.
+pub fn used_seconds() -> f64 {
+    #[cfg(unix)]
+    if let Ok(usage) = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF) {
+        let [user, system] = [usage.user_time(), usage.system_time()];
+        return [user, system].map(|time| time.tv_sec() as f64 + time.tv_usec() as f64 / 1e6).iter().sum();
+    }
+    0.0
 }
 
 /// Sets the limits of a trial of this number of bytes for this process. Systems other than Unix have none, and others may refuse some.

@@ -325,7 +325,7 @@ fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
 fn onnx<const WORLDS: usize>(bencher: Bencher<'_, '_>) {
     use world::av::onnx::{Model, Onnx};
     let bytes = include_bytes!("../reference/onnx/follow.onnx").to_vec();
-    let model = Arc::new(Model::read(bytes).expect("the network drives"));
+    let model = Arc::new(Model::read(bytes, None).expect("the network drives"));
     let maker = move || -> Box<dyn world::av::DrivingPolicy> { Box::new(Onnx::new(WORLDS, model.clone())) };
     let outside = driven_by(Arc::new(maker));
     episodes_of(bencher, &outside, 32);

@@ -6,6 +6,7 @@ use std::sync::{Arc, LazyLock};
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use episode::{Draw, Scenario};
+use lang::Reader;
 use road::geometry::{Obstacles, Pose};
 use world::av::{DrivingMode, PerfectSensors};
 use world::sim::{ActorStart, Contact, Start, WalkCommand, World};
@@ -33,6 +34,28 @@ fn scenario(policy: &str) -> Arc<Scenario> {
         compiled.unwrap().plan.unwrap()
     });
     PLAN.campaigns[0].all::<compile::Evaluation>().find(|each| *each.policy == *policy).unwrap().scenario.clone()
+}
+
+/// The time of a decision comes from the trial, which is made outside.
+#[test]
+fn a_network_that_is_slow_is_named_with_its_time() {
+    struct Files;
+    impl Reader for Files {
+        fn text(&self, _: &Path) -> std::io::Result<String> {
+            Ok("edition 1\ndriver p = onnx(model: \"follow.onnx\")\n".into())
+        }
+
+        fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+            std::fs::read(crate::repository().join("tests/reference/onnx").join(path.file_name().unwrap()))
+        }
+    }
+    let said = |seconds: Option<f64>| {
+        let catalog = Catalog::builtin().with_network_trial(Arc::new(move |_| Ok(seconds)));
+        let compiled = compile(&["slow.scn".into()], &catalog, &Files, &mut Default::default()).unwrap();
+        compiled.diagnostics.iter().map(|each| each.message.clone()).collect::<Vec<_>>()
+    };
+    assert!(said(None).is_empty(), "{:?}", said(None));
+    assert_eq!(said(Some(0.7)), ["the model `follow.onnx` takes 0.7 s for a decision"]);
 }
 
 /// The result of a drive from (x, −1.75 m) to the east.

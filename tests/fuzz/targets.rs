@@ -72,7 +72,7 @@ pub fn policy(bytes: &[u8]) {
 
 /// A driver's network (ONNX).
 pub fn network(bytes: &[u8]) {
-    quietly(|| onnx::Model::read(bytes.to_vec()).is_ok());
+    quietly(|| onnx::Model::read(bytes.to_vec(), None).is_ok());
 }
 
 /// The settings of a folder (`falsify.toml`), and each line as a condition of `--fail-if`.
@@ -206,7 +206,7 @@ mod tests {
         damage(policy, pedestrian);
         damage(front_end, b"edition 1\nreward r { on touch => max(3, 1.5 * v_c) }\n");
         let model = include_bytes!("../reference/onnx/follow.onnx");
-        assert!(onnx::Model::read(model.to_vec()).is_ok());
+        assert!(onnx::Model::read(model.to_vec(), None).is_ok());
         damage(network, model);
         let settings_of_a_folder = include_bytes!("seeds/settings/falsify.toml");
         assert!(program::cli::settings_are_read(std::str::from_utf8(settings_of_a_folder).unwrap()));

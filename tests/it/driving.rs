@@ -58,7 +58,7 @@ fn trained(training: &Training, threads: usize) -> Trained {
 /// The scenario with a network from its file as the driver.
 fn driven_by(networks: &ActorCritic, scenario: &Scenario) -> Arc<Scenario> {
     let bytes = networks.to_onnx_with(&inputs(), &ACTION_SCALES, &ACTION_BOUNDS, &Default::default());
-    let model = Arc::new(Model::read(bytes).unwrap());
+    let model = Arc::new(Model::read(bytes, None).unwrap());
     let mut scenario = scenario.clone();
     scenario.cast.vehicles[0].policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
     Arc::new(scenario)
@@ -164,7 +164,7 @@ fn a_report_has_a_driver_that_drives() {
     let output = falsify(&["run", "--smoke", "it.scn", "--out", "."], place.path());
     assert!(output.status.success(), "{}", error(&output));
     let file = place.path().join("driving-smoke/drivers/harbour+village-idm-0.onnx");
-    Model::read(std::fs::read(file).unwrap()).unwrap();
+    Model::read(std::fs::read(file).unwrap(), None).unwrap();
 }
 
 #[test]

@@ -129,7 +129,7 @@ fn networks_that_take_the_machine_are_refused() {
 
 #[test]
 fn results_without_a_constant_size_are_refused_before_they_run() {
-    Model::read(driving(&[])).unwrap();
+    Model::read(driving(&[]), None).unwrap();
     let shaped = [plain("Relu", &["ego"], "later"), plain("ConstantOfShape", &["later"], "r")];
     for (name, parts, reason) in [
         ("numbers", vec![plain("NonZero", &["ego"], "r")], "NonZero"),
@@ -140,9 +140,20 @@ fn results_without_a_constant_size_are_refused_before_they_run() {
         ("loop", vec![plain("Loop", &["ego"], "r")], "Loop"),
         ("branches", vec![plain("If", &["ego"], "r")], "If"),
     ] {
-        let refused = Model::read(driving(&parts)).err().map(|error| error.to_string()).unwrap_or_default();
+        let refused = Model::read(driving(&parts), None).err().map(|error| error.to_string()).unwrap_or_default();
         assert!(refused.contains(reason), "{name}: {refused:?}");
     }
+}
+
+#[test]
+fn one_of_several_outputs_is_chosen_by_its_name() {
+    let file = driving(&[plain("Relu", &["ego"], "z"), field(12, &field(1, b"z"))]);
+    let refused = |output| Model::read(file.clone(), output).err().map(|error| error.to_string()).unwrap_or_default();
+    assert_eq!(refused(None), "it has 2 outputs (`z`, `y`): choose one, as `output: \"z\"`");
+    assert_eq!(refused(Some("x")), "it has no output `x`; it has `z`, `y`");
+    assert!(refused(Some("z")).contains("4 numbers"), "{}", refused(Some("z")));
+    assert_eq!(refused(Some("y")), "");
+    assert_eq!(world::av::onnx::outputs(file.clone()), ["z", "y"]);
 }
 
 #[test]
@@ -154,5 +165,5 @@ fn sizes_may_follow_from_shapes() {
         plain("Add", &["ego", "zeros"], "sum"),
         plain("MatMul", &["sum", "w"], "y"),
     ];
-    Model::read(model(&parts)).unwrap();
+    Model::read(model(&parts), None).unwrap();
 }

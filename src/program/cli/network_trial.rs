@@ -3,9 +3,10 @@
 use std::io::Read;
 use std::sync::Arc;
 
+use crate::cli::console;
 use crate::exit_code::ExitCode;
 use compile::NetworkTrial;
-use world::av::onnx::{Model, Network};
+use world::av::onnx::{Model, Network, outputs};
 
 /// The argument with which the program starts itself.
 pub const WORD: &str = "try-network";
@@ -22,9 +23,16 @@ pub fn carry_out() -> ExitCode {
         return ExitCode::Usage;
     }
     process::limit_trial(bytes.len());
-    // It is a driver or a pedestrian.
-    if Model::read(bytes.clone()).is_err() {
-        let _ = Network::read(bytes);
+    let names = outputs(bytes.clone());
+    let (loaded, mut longest) = (process::used_seconds(), 0.0_f64);
+    // Each output may be chosen, of a driver or of a pedestrian.
+    for name in &names {
+        let begun = process::used_seconds();
+        if Model::read(bytes.clone(), Some(name)).is_err() {
+            let _ = Network::read(bytes.clone(), Some(name));
+        }
+        longest = longest.max(process::used_seconds() - begun - loaded);
     }
+    console::say(&longest.to_string());
     ExitCode::Done
 }

@@ -17,6 +17,8 @@ keys! {
     pub struct NetworkedKeys = "onnx" {
         /// The file.
         model: String as Path,
+        /// The output that is the action, where the file has several, as one of stable-baselines3's guide has.
+        output: Option<String>,
     }
 }
 

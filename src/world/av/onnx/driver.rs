@@ -14,6 +14,8 @@ keys! {
     pub struct OnnxKeys = "onnx" {
         /// The file.
         model: String as Path,
+        /// The output that drives, where the file has several.
+        output: Option<String>,
         /// Episodes that run at the same time.
         worlds: usize as whole(1, 1024) = "32",
     }

@@ -9,7 +9,7 @@
 //! | `actors` | (1, K, 8) | of each of the K nearest in sight: 1 (0 when there are fewer), x, y, heading, velocity x and y, length, width |
 //! | `route` | (1, R, 3) | of R points, 2 m apart: x, y, heading; the last one again where the road ends |
 //!
-//! Its one output holds two numbers, acceleration (m/s²) and steer, or three: throttle, brake, steer. K and R are read from the
+//! Its one output, or the one that is named, holds two numbers, acceleration (m/s²) and steer, or three: throttle, brake, steer. K and R are read from the
 //! file; the first dimension is 1 or free.
 //!
 //! A file goes through `vetting`, which trusts no length in it and refuses results whose sizes are not constant. So all evaluations take the
@@ -30,3 +30,4 @@ pub use driver::{Onnx, OnnxKeys};
 pub use inputs::Input;
 pub use model::{Model, ModelError};
 pub use network::{Network, NetworkError, Runner};
+pub use vetting::outputs;

@@ -3,7 +3,7 @@ use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
 use super::inputs::Input;
-use super::vetting::load;
+use super::vetting::{self, load};
 use crate::av::Fault;
 use crate::av::view::View;
 use base::contained::contained;
@@ -21,8 +21,8 @@ pub enum ModelError {
     UnknownInput(String),
     #[error("its input `{name}` must have the shape {wanted}")]
     Shape { name: &'static str, wanted: &'static str },
-    #[error("it needs at least one input and exactly one output, and has {inputs} and {outputs}")]
-    Count { inputs: usize, outputs: usize },
+    #[error("it has no input")]
+    NoInput,
     #[error("its output has {0} numbers instead of two (acceleration, steer) or three (throttle, brake, steer)")]
     Output(usize),
     #[error("it cannot be run: {0}")]
@@ -38,18 +38,18 @@ pub struct Model {
 }
 
 impl Model {
-    /// Reads a network from the bytes of an ONNX file, and evaluates it once.
+    /// Reads a network from the bytes of an ONNX file, and evaluates it once. A file with several outputs needs the name of one.
     ///
     /// # Errors
     /// It is not ONNX, has operators that are not supported here, or does not fit the contract of this module.
-    pub fn read(bytes: Vec<u8>) -> Result<Self, ModelError> {
+    pub fn read(bytes: Vec<u8>, output: Option<&str>) -> Result<Self, ModelError> {
         // The file is the user's, and the runtime is a dependency: a panic of the runtime must be an error here, too.
         let panicked = |_| Err(ModelError::Unreadable("the runtime cannot cope with it".into()));
-        contained(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
+        contained(|| Self::read_and_try(bytes, output)).unwrap_or_else(panicked)
     }
 
-    fn read_and_try(bytes: Vec<u8>) -> Result<Self, ModelError> {
-        let mut this = Self::of(load(bytes).map_err(ModelError::Unreadable)?)?;
+    fn read_and_try(bytes: Vec<u8>, output: Option<&str>) -> Result<Self, ModelError> {
+        let mut this = Self::of(load(bytes).map_err(ModelError::Unreadable)?, output)?;
         let empty = this.encode(&View::default());
         let answer = this.answer(&empty, RunOptions::default()).map_err(ModelError::Unrunnable)?;
         this.numbers = answer.len();
@@ -57,14 +57,12 @@ impl Model {
     }
 
     /// A network whose inputs and output have the names and shapes of the contract.
-    fn of(network: rten::Model) -> Result<Self, ModelError> {
-        let (ids, outputs) = (network.input_ids().to_vec(), network.output_ids().to_vec());
-        let &[output] = outputs.as_slice() else {
-            return Err(ModelError::Count { inputs: ids.len(), outputs: outputs.len() });
-        };
+    fn of(network: rten::Model, output: Option<&str>) -> Result<Self, ModelError> {
+        let ids = network.input_ids().to_vec();
         if ids.is_empty() {
-            return Err(ModelError::Count { inputs: 0, outputs: 1 });
+            return Err(ModelError::NoInput);
         }
+        let output = vetting::output(&network, output).map_err(ModelError::Unreadable)?;
         let inputs = ids.iter().map(|id| Ok((*id, input(&network, *id)?))).collect::<Result<Vec<_>, _>>()?;
         Ok(Self { network, inputs, output, numbers: 0 })
     }
@@ -150,7 +148,7 @@ mod tests {
 
     #[test]
     fn a_network_answers_as_it_does_in_onnxruntime() {
-        let model = Model::read(include_bytes!("../../../../tests/reference/onnx/follow.onnx").to_vec()).unwrap();
+        let model = Model::read(include_bytes!("../../../../tests/reference/onnx/follow.onnx").to_vec(), None).unwrap();
         assert_eq!((model.room(), model.numbers), ((2, 4), 2));
         let recorded: serde_json::Value =
             serde_json::from_str(include_str!("../../../../tests/reference/onnx/follow.json")).unwrap();

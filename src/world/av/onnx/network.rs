@@ -5,7 +5,7 @@ use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
 use super::engine::{Batch, Engine};
-use super::vetting::load;
+use super::vetting::{self, load};
 use crate::av::Fault;
 use base::contained::contained;
 
@@ -17,8 +17,8 @@ const MAX_NUMBERS: usize = 1 << 16;
 pub enum NetworkError {
     #[error("{0}")]
     Unreadable(String),
-    #[error("it needs exactly one input and one output, and has {inputs} and {outputs}")]
-    Count { inputs: usize, outputs: usize },
+    #[error("it needs exactly one input, and has {0}")]
+    Inputs(usize),
     #[error("its input must have the shape (1, n) or (batch, n) in 32-bit floats or 64-bit floats")]
     Input,
     #[error("it cannot be run: {0}")]
@@ -35,29 +35,28 @@ pub struct Network {
 }
 
 impl Network {
-    /// Reads a network from the bytes of an ONNX file, and runs it once on zeros. Numbers of 64 bits are rounded to 32 bits.
+    /// Reads a network from the bytes of an ONNX file, and runs it once on zeros. Numbers of 64 bits are rounded to 32 bits. A
+    /// file with several outputs needs the name of one.
     ///
     /// # Errors
-    /// It is not ONNX, has operators that are not supported here, or has not exactly one row as input and one output.
-    pub fn read(bytes: Vec<u8>) -> Result<Self, NetworkError> {
+    /// It is not ONNX, has operators that are not supported here, or has not exactly one row as input and such an output.
+    pub fn read(bytes: Vec<u8>, output: Option<&str>) -> Result<Self, NetworkError> {
         // The file is the user's, and the runtime is a dependency: a panic of the runtime must be an error here, too.
         let panicked = |_| Err(NetworkError::Unreadable("the runtime cannot cope with it".into()));
-        contained(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
+        contained(|| Self::read_and_try(bytes, output)).unwrap_or_else(panicked)
     }
 
-    fn read_and_try(bytes: Vec<u8>) -> Result<Self, NetworkError> {
-        let mut this = Self::of(load(bytes).map_err(NetworkError::Unreadable)?)?;
+    fn read_and_try(bytes: Vec<u8>, output: Option<&str>) -> Result<Self, NetworkError> {
+        let mut this = Self::of(load(bytes).map_err(NetworkError::Unreadable)?, output)?;
         let zeros = vec![0.0; this.inputs];
         this.outputs = this.answer(&zeros, RunOptions::default()).map_err(NetworkError::Unrunnable)?.len();
         Ok(this)
     }
 
     /// A network with one row as input and one output.
-    fn of(network: rten::Model) -> Result<Self, NetworkError> {
-        let (&[input], &[output]) = (network.input_ids(), network.output_ids()) else {
-            let (inputs, outputs) = (network.input_ids().len(), network.output_ids().len());
-            return Err(NetworkError::Count { inputs, outputs });
-        };
+    fn of(network: rten::Model, output: Option<&str>) -> Result<Self, NetworkError> {
+        let &[input] = network.input_ids() else { return Err(NetworkError::Inputs(network.input_ids().len())) };
+        let output = vetting::output(&network, output).map_err(NetworkError::Unreadable)?;
         let inputs = width(&network, input).ok_or(NetworkError::Input)?;
         Ok(Self { network, input, output, inputs, outputs: 0 })
     }

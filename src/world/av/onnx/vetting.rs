@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::encoding::{Content, Refusal, fields, text, whole_numbers};
+use base::contained::contained;
 
 /// Maximum number of elements of a constant.
 const MAX_ELEMENTS: u64 = 1 << 26;
@@ -20,6 +21,17 @@ const UNBOUNDED: [&str; 8] = [
     "SplitToSequence",
     "ConcatFromSequence",
 ];
+/// Operators that draw random numbers, and what to export instead.
+const RANDOM: [(&str, &str); 7] = [
+    ("Dropout", "export it in evaluation mode (torch: `model.eval()`)"),
+    ("RandomNormal", WITHOUT_SAMPLING),
+    ("RandomNormalLike", WITHOUT_SAMPLING),
+    ("RandomUniform", WITHOUT_SAMPLING),
+    ("RandomUniformLike", WITHOUT_SAMPLING),
+    ("Multinomial", WITHOUT_SAMPLING),
+    ("Bernoulli", WITHOUT_SAMPLING),
+];
+const WITHOUT_SAMPLING: &str = "export the action without sampling (stable-baselines3: `deterministic=True`)";
 /// Attributes that are sizes.
 const SIZES: [&str; 9] =
     ["pads", "repeats", "shape", "kernel_shape", "scales", "strides", "dilations", "output_padding", "output_shape"];
@@ -60,6 +72,40 @@ fn vet(bytes: &[u8]) -> Result<(), Refusal> {
 pub(super) fn load(bytes: Vec<u8>) -> Result<rten::Model, Refusal> {
     vet(&bytes)?;
     rten::Model::load(bytes).map_err(|error| error.to_string())
+}
+
+/// The output with this name; without a name, the only one.
+///
+/// # Errors
+/// There is no such output, or there are several: their names.
+pub(super) fn output(network: &rten::Model, wanted: Option<&str>) -> Result<rten::NodeId, Refusal> {
+    let (ids, names) = (network.output_ids(), output_names(network));
+    let all = || names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    match (wanted, ids) {
+        (None, [only]) => Ok(*only),
+        (None, _) => Err(format!(
+            "it has {} outputs ({}): choose one, as `output: \"{}\"`",
+            ids.len(),
+            all(),
+            names.first().map_or("", String::as_str)
+        )),
+        (Some(wanted), _) => {
+            let place = names.iter().position(|name| name == wanted);
+            place.map(|place| ids[place]).ok_or_else(|| format!("it has no output `{wanted}`; it has {}", all()))
+        }
+    }
+}
+
+/// The names of the outputs of a network.
+fn output_names(network: &rten::Model) -> Vec<String> {
+    let name =
+        |id: &rten::NodeId| network.node_info(*id).and_then(|info| info.name().map(str::to_string)).unwrap_or_default();
+    network.output_ids().iter().map(name).collect()
+}
+
+/// The names of the outputs of the network in a file, which is not run; none of a file that cannot be loaded.
+pub fn outputs(bytes: Vec<u8>) -> Vec<String> {
+    contained(|| load(bytes)).ok().and_then(Result::ok).map_or_else(Vec::new, |network| output_names(&network))
 }
 
 /// What was found on the way.
@@ -160,6 +206,9 @@ impl Vetting {
         })?;
         if UNBOUNDED.contains(&operator.kind.as_str()) {
             return Err(format!("its operator {} has graphs or lists inside; export it without", operator.kind));
+        }
+        if let Some((kind, instead)) = RANDOM.iter().find(|(kind, _)| operator.kind == *kind) {
+            return Err(format!("the network draws random numbers (operator {kind}): {instead}"));
         }
         self.operators.push(operator);
         Ok(())
@@ -316,6 +365,10 @@ mod tests {
         );
         let node =
             |operator: &[u8], input: &[u8]| field(1, &[field(1, input), field(2, b"y"), field(4, operator)].concat());
+        for (operator, instead) in RANDOM {
+            let said = vet(&model(&[node(operator.as_bytes(), b"x")])).unwrap_err();
+            assert!(said.contains("draws random numbers") && said.ends_with(instead), "{said}");
+        }
         assert_eq!(
             vet(&model(&[node(b"Loop", b"x")])).unwrap_err(),
             "its operator Loop has graphs or lists inside; export it without"
