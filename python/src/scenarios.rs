@@ -32,6 +32,10 @@ impl Reader for Disk {
     fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
         files::bytes(path)
     }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        files::identity(path)
+    }
 }
 
 /// The names that choose a scenario of a plan, and the scenario.

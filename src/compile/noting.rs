@@ -44,4 +44,8 @@ impl Reader for Noting<'_> {
         let held = library::network(path).map(|bytes| Ok(bytes.to_vec()));
         held.unwrap_or_else(|| self.read.bytes(path)).inspect(|bytes| self.note(path, bytes))
     }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        self.read.identity(path)
+    }
 }

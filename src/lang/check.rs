@@ -221,10 +221,12 @@ impl<'f> Checker<'_, '_, 'f> {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
                     Some(param) => self.property(property, param, &mut given, &mut members),
                     None => {
-                        // What is given elsewhere in the block, or is meant by another typo, is not what this one means.
+                        // What is given elsewhere in the block, or is meant by another typo, is not what this one means. A setting from outside may.
+                        let source = property.key.span.source;
                         let is_given = |key: &str| {
+                            let is_it = |other: &Name| other.text == key && other.span.source == source;
                             let mut others = written.entries.iter();
-                            others.any(|other| matches!(other, Entry::Property(other) if other.key.text == key))
+                            others.any(|other| matches!(other, Entry::Property(other) if is_it(&other.key)))
                         };
                         let is_left = |key: &&str| !is_given(key) && !misspelt.contains(*key);
                         let left: Vec<&str> = signature.params.iter().map(|p| p.name).filter(is_left).collect();

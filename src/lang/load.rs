@@ -23,6 +23,11 @@ pub trait Reader {
     fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
         self.text(path).map(String::into_bytes)
     }
+
+    /// The same path for all paths of one file, as far as the reader knows.
+    fn identity(&self, path: &Path) -> PathBuf {
+        path.to_path_buf()
+    }
 }
 
 impl<F: Fn(&Path) -> std::io::Result<String>> Reader for F {
@@ -83,7 +88,8 @@ struct Loader<'a> {
 
 impl Loader<'_> {
     fn file(&mut self, path: &Path, importers: &mut Vec<SourceId>) -> std::io::Result<SourceId> {
-        let key = normal(path);
+        let of_library = library::holds(path);
+        let key = if of_library { normal(path) } else { normal(&self.read.identity(path)) };
         if let Some(source) = self.known.get(&key) {
             return Ok(*source);
         }
@@ -91,7 +97,6 @@ impl Loader<'_> {
             let reason = format!("it stands at the end of {MAX_CHAIN} files that import each other in a row");
             return Err(std::io::Error::other(reason));
         }
-        let of_library = library::holds(path);
         let source = if of_library {
             self.sources.add_builtin(path, library::read(path)?)
         } else {

@@ -24,6 +24,14 @@ const OTHERS: &[(&str, &str)] = &[
         "decimal commas",
         "edition 1\nspawn s { distance: 7,5 m .. 40 m }\ndriver p = idm(margin: 0,5 m)\nparam s: number = 0,2\n",
     ),
+    ("numbers with commas", "edition 1\ntraining t = ppo(steps: 40,000)\n"),
+    ("names of stable-baselines3", "edition 1\ntraining t = ppo(n_steps: 64, clip_range: 0.2, vf_coef: 0.5)\n"),
+    ("a name that is cut off", "edition 1\nreward hit { on touch => 1 }\nmethod m = cma(reward: hit)\n"),
+    (
+        "bearings beyond half a turn",
+        "edition 1\nspawn s { bearing: 170 deg .. 190 deg }\nspawn r { bearing: 0 deg .. 360 deg }\n",
+    ),
+    ("a range of most directions", "edition 1\nspawn s { bearing: 60 deg .. -60 deg }\n"),
     ("a text with an escape", "edition 1\ndriver p = external(command: \"python3 \\\"my av.py\\\"\")\n"),
     ("a typo beside the key that it resembles", "edition 1\ndriver p = idm(time_hedway: 1 s, time_headway: 2 s)\n"),
     ("two typos of one key", "edition 1\ndriver p = idm(time_hedway: 1 s, time_headwy: 2 s)\n"),
@@ -56,6 +64,13 @@ fn mended(text: &str) -> (usize, String) {
         mended.replace_range(fix.span.start..fix.span.end, &fix.text);
     }
     (compiled.diagnostics.len(), mended)
+}
+
+/// Pedestrians behind the car: each half of the range has its share of the draws.
+#[test]
+fn a_range_of_bearings_may_go_across_180_degrees() {
+    let text = "edition 1\nspawn s { bearing: 170 deg .. -160 deg }\nspawn r { bearing: 180 deg .. -170 deg }\n";
+    assert_eq!(drawn(text), "no mistake");
 }
 
 #[test]

@@ -33,6 +33,36 @@ fn untrained_controllers_are_evaluated() {
     assert!(!summary.contains("other trainings show"), "{summary}");
 }
 
+/// An import by a path from the root and one beside it name one file, and so does a link.
+#[test]
+fn a_file_by_two_paths_is_one_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+    let whole = folder.path().join("a.scn");
+    write("a.scn", "edition 1\nparam x: length = 1 m\n".into());
+    write("b.scn", "edition 1\nimport \"a.scn\"\nparam y: length = x\n".into());
+    let import = |path: &str| format!("edition 1\nimport \"{path}\"\nimport \"b.scn\"\nparam z: length = x + y\n");
+    write("c.scn", import(&whole.display().to_string()));
+    let checked = falsify(&["check", "c.scn"], folder.path());
+    assert!(checked.status.success(), "{}", error(&checked));
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&whole, folder.path().join("link.scn")).unwrap();
+        write("d.scn", import("link.scn"));
+        let checked = falsify(&["check", "d.scn"], folder.path());
+        assert!(checked.status.success(), "{}", error(&checked));
+    }
+}
+
+/// A setting may name a key that the file gives, so that is what a typo of it means.
+#[test]
+fn a_typo_in_a_setting_is_compared_with_keys_that_are_given() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.scn"), "edition 1\ntraining short = ppo(steps: 200)\n").unwrap();
+    let checked = falsify(&["check", "a.scn", "--set", "short.step=3"], folder.path());
+    assert!(error(&checked).contains("did you mean `steps`?"), "{}", error(&checked));
+}
+
 #[test]
 fn no_arguments_show_the_usage() {
     let folder = tempfile::tempdir().unwrap();

@@ -40,5 +40,13 @@ fn with_comma(text: &str, places: [usize; 3]) -> Option<String> {
     let first = comma - text.as_bytes()[..comma].iter().rev().take_while(|byte| digits(byte)).count();
     let last = comma + 1 + text.as_bytes()[comma + 1..].iter().take_while(|byte| digits(byte)).count();
     let number = &text[first..last];
-    Some(format!("a decimal needs a point: if `{number}` is one number, write `{}`", number.replace(',', ".")))
+    let decimal = number.replace(',', ".");
+    let (whole, rest) = number.split_once(',')?;
+    if rest.len() == 3 && whole.len() <= 3 && !whole.starts_with('0') {
+        let thousands = number.replace(',', "_");
+        return Some(format!(
+            "if `{number}` is one number, write `{thousands}` for thousands, or `{decimal}` for a decimal"
+        ));
+    }
+    Some(format!("a decimal needs a point: if `{number}` is one number, write `{decimal}`"))
 }

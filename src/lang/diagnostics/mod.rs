@@ -46,6 +46,30 @@ pub(crate) fn one(thing: impl std::fmt::Display) -> String {
     }
 }
 
+/// Names of other programs, mostly of stable-baselines3, and ours.
+const ELSEWHERE: [(&str, &str); 10] = [
+    ("total_timesteps", "steps"),
+    ("n_steps", "steps_per_update"),
+    ("n_epochs", "epochs"),
+    ("n_envs", "environments"),
+    ("clip_range", "clip"),
+    ("ent_coef", "entropy_coefficient"),
+    ("vf_coef", "value_coefficient"),
+    ("max_grad_norm", "max_gradient_norm"),
+    ("normalize_advantage", "normalize_advantages"),
+    ("net_arch", "hidden"),
+];
+
+/// The known word that other programs call so, or the only one that begins with a word and goes on with another.
+fn elsewhere<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    let find = |name: &str| known.iter().copied().find(|known| *known == name);
+    let longer = || {
+        let mut begun = known.iter().filter(|known| known.strip_prefix(word).is_some_and(|rest| rest.starts_with('_')));
+        begun.next().copied().filter(|_| begun.next().is_none() && word.len() > 2)
+    };
+    ELSEWHERE.iter().find(|(name, _)| *name == word).and_then(|(_, ours)| find(ours)).or_else(longer)
+}
+
 /// Points at an unknown word, and offers the nearest known one or lists them all; the message is given.
 fn unknown<'a>(
     code: &'static str,
@@ -58,7 +82,7 @@ fn unknown<'a>(
     const MAX_COMPARED: usize = 200;
     let diagnostic = Diagnostic::error(code, span, message);
     let known: Vec<&str> = known.into_iter().take(MAX_COMPARED).collect();
-    match nearest(word, known.iter().copied()) {
+    match elsewhere(word, &known).or_else(|| nearest(word, known.iter().copied())) {
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
         None if known.is_empty() => diagnostic.here("none is declared or imported"),
         None => diagnostic.help(format!("known here: {}", quoted(known))),

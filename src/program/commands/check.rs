@@ -92,6 +92,10 @@ impl Reader for InputAndFiles {
     fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
         Disk.bytes(path)
     }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        Disk.identity(path)
+    }
 }
 
 /// `falsify check`

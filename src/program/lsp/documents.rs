@@ -7,7 +7,7 @@ use std::str::FromStr;
 use lsp_types::{Position, Range, Uri};
 
 use base::diagnostic::{Lines, Span};
-use lang::{library, normal};
+use lang::{Reader, library, normal};
 
 /// The buffers an editor has open; they have precedence over files on disk.
 #[derive(Debug)]
@@ -23,6 +23,20 @@ pub struct Document {
     /// The name the editor has for it.
     pub uri: Uri,
     pub text: String,
+}
+
+impl Reader for Documents {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        self.read(path)
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        base::files::bytes(path)
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        base::files::identity(path)
+    }
 }
 
 impl Documents {

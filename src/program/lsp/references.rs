@@ -91,7 +91,7 @@ fn beside(file: &Path) -> Vec<PathBuf> {
 /// A file with its imports, as the editor sees it.
 fn load(path: &Path, documents: &Documents) -> Option<(Loaded, Sources)> {
     let mut sources = Sources::default();
-    let loaded = lang::load(&[path.to_path_buf()], &|path: &Path| documents.read(path), &mut sources).ok()?;
+    let loaded = lang::load(&[path.to_path_buf()], documents, &mut sources).ok()?;
     Some((loaded, sources))
 }
 

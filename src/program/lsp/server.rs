@@ -240,9 +240,7 @@ impl<W: Write> Server<W> {
         let byte = Lines::new(text).byte(at.position.line, at.position.character);
         let root = path(&at.text_document.uri);
         let mut sources = Sources::default();
-        let mut loaded =
-            lang::load(std::slice::from_ref(&root), &|path: &std::path::Path| self.documents.read(path), &mut sources)
-                .ok()?;
+        let mut loaded = lang::load(std::slice::from_ref(&root), &self.documents, &mut sources).ok()?;
         let is_root = |file: &&lang::ast::File| loaded.roots.contains(&file.source);
         if loaded.files.iter().find(is_root).is_some_and(|file| file.edition.is_none()) {
             // A bracket that is still open hides the whole file; the text before its statement is used instead.
@@ -325,8 +323,7 @@ impl<W: Write> Server<W> {
     fn repairs(&self, uri: &Uri, part: Range) -> Vec<CodeActionOrCommand> {
         let mut sources = Sources::default();
         let root = path(uri);
-        let read = |path: &Path| self.documents.read(path);
-        let compiled = compile(std::slice::from_ref(&root), &self.catalog, &read, &mut sources);
+        let compiled = compile(std::slice::from_ref(&root), &self.catalog, &self.documents, &mut sources);
         let (Ok(compiled), Some((id, source))) = (compiled, sources.iter().next()) else { return Vec::new() };
         let lines = Lines::new(&source.text);
         let mut repairs = Vec::new();
@@ -359,9 +356,8 @@ impl<W: Write> Server<W> {
         let mut by_file: BTreeMap<Uri, Vec<lsp_types::Diagnostic>> = BTreeMap::new();
         for root in self.documents.paths() {
             let mut sources = Sources::default();
-            let read = |path: &Path| self.documents.read(path);
             let roots = [root.clone()];
-            let checked = contained(|| compile(&roots, &self.catalog, &read, &mut sources));
+            let checked = contained(|| compile(&roots, &self.catalog, &self.documents, &mut sources));
             let Ok(Ok(compiled)) = checked else { continue };
             by_file.extend(
                 self.documents.uri(&root).map(|uri| (uri, Vec::new())).filter(|(uri, _)| !by_file.contains_key(uri)),

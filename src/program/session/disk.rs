@@ -1,7 +1,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::Result;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use base::files;
 use lang::Reader;
@@ -18,6 +18,10 @@ impl Reader for Disk {
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>> {
         files::bytes(path)
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        files::identity(path)
     }
 }
 
@@ -75,5 +79,9 @@ impl Reader for Recording<'_> {
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>> {
         self.reader.bytes(path).inspect(|bytes| self.note(path, bytes))
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        self.reader.identity(path)
     }
 }

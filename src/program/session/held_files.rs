@@ -66,4 +66,8 @@ impl Reader for HeldFiles<'_> {
     fn bytes(&self, path: &Path) -> Result<Vec<u8>> {
         self.read(path, files::bytes, |path| self.others.bytes(path))
     }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        self.others.identity(path)
+    }
 }
