@@ -13,8 +13,8 @@ use falsify::session::{FailuresArgs, Input, RepeatOptions, Repeated, ReplayOptio
 use results::campaign::{self, NoStore, Silent};
 use results::jobs::{Repeatable, watch};
 use results::report::{
-    CountedEvent, Failures, Gate, Judged as Judgement, Side, StoredReport, compare_reports, compared_cells,
-    comparison_reference, driver_results, narrative, requirements_in,
+    CountedEvent, Failures, Gate, Judged as Judgement, Side, StoredReport, all_of_searches, compare_reports,
+    compared_cells, comparison_reference, driver_results, narrative, requirements_in,
 };
 use results::tables::metrics::COLLISION_RATE;
 use verdict::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
@@ -230,7 +230,7 @@ fn every_method_searches_for_violations_of_its_goal() {
         &plan.campaigns[0].drivers,
         &[],
         &Failures::default(),
-        finished.all::<results::jobs::SearchResult>(),
+        &all_of_searches(finished.all::<results::jobs::SearchResult>()),
         &[],
     );
     let counted = of_driver[0].searched.unwrap();

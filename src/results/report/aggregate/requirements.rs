@@ -5,8 +5,8 @@ use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, RUN_ID, TICKS};
 use crate::record::episodes::named;
 use crate::record::{Column, DEGREES, EpisodeTable, RunKey, Signed, Table, parse_degrees};
 use crate::tables::{APPLIES, COUNTS, IS_FAULT, IS_PREVENTABLE, NO_VERDICT, REQUIREMENT, VIOLATED};
-use verdict::{JudgedDegree, NoVerdict, ViolationVerdict};
 use episode::requirement::{Degree, NamedRequirement};
+use verdict::{JudgedDegree, NoVerdict, ViolationVerdict};
 
 /// The stem of the files of the table of requirements.
 pub const REQUIREMENTS: &str = "requirements";
