@@ -214,6 +214,12 @@ fn what_is_about_parts_that_a_town_lacks_is_named() {
         ]
     };
     assert_eq!(named(&lane), [true, true, true, false]);
+    // A marking makes no crosswalk, and both commands say so.
+    let marking = r#"</lanes><signals><signal id="1" type="1000003" s="50" t="0"/></signals>"#;
+    assert_eq!(named(&lane.replace("</lanes>", marking)), [true, true, true, false]);
+    let [check, preview] = [["check", "drive.scn"], ["preview", "map.xodr"]].map(|args| falsify(&args, folder.path()));
+    let said = "not used: 1 × crosswalk marking (signal type 1000003)";
+    assert!(error(&check).contains(said) && String::from_utf8_lossy(&preview.stdout).contains(said), "{check:?}");
     let walk = r#"</lanes><objects><object id="1" type="crosswalk" s="50" t="-2" length="3" width="4"/></objects>"#;
     assert_eq!(named(&lane.replace("</lanes>", walk)), [false, false, true, false]);
     let light =

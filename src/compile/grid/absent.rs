@@ -11,7 +11,7 @@ use episode::requirement::NamedRequirement;
 use episode::{MapPart, RewardRule};
 use lang::diagnostics;
 use lang::hir::Block;
-use road::FIRST_LIMIT;
+use road::{FIRST_LIMIT, OpenDriveWarning};
 
 /// What follows where a town has nothing of what is asked.
 const NOTHING: &str = "its result there says nothing";
@@ -29,6 +29,16 @@ fn highest(value: &Value) -> f64 {
         Value::List(members) => members.iter().map(highest).fold(0.0, f64::max),
         _ => 0.0,
     }
+}
+
+/// What the towns of a campaign have of a part, and does not count, as `falsify preview` names it.
+fn unused(part: &MapPart, grid: &Grid) -> Vec<String> {
+    let is_of_part = |warning: &&OpenDriveWarning| {
+        warning.problem.is_unused() && warning.problem.to_string().contains(part.name.trim_end_matches('s'))
+    };
+    let towns = grid.campaign.towns.iter();
+    let warnings = towns.flat_map(|each| each.town.warnings.iter().filter(is_of_part).map(|said| (&each.name, said)));
+    warnings.map(|(town, said)| format!("in the map of `{town}`, {said}")).collect()
 }
 
 impl Lowering<'_> {
@@ -73,8 +83,10 @@ impl Lowering<'_> {
             let drivers = grid.campaign.drivers.iter().filter(|driver| yields(&driver.settings));
             let drivers = drivers.map(|driver| (block.head, driver.name.clone()));
             let found: Vec<_> = requirements.chain(asked).chain(rewards).chain(end).chain(drivers).collect();
+            let unused = unused(part, grid);
             for (place, name) in found {
-                self.said.push(diagnostics::never_applies(place, &name, part.name, &without, NOTHING));
+                let absent = diagnostics::never_applies(place, &name, part.name, &without, NOTHING);
+                self.said.push(unused.iter().fold(absent, |absent, help| absent.help(help)));
             }
         }
     }

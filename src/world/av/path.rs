@@ -95,6 +95,11 @@ impl Path {
         far.or_else(|| self.points.back())
     }
 
+    /// Whether a car at this place has passed the end of the road.
+    pub fn is_over(&self, place: Point) -> bool {
+        self.points.len() == 1 && self.points[0].pose.to_local(place).x > 0.0
+    }
+
     /// Whether the road ends within the path.
     pub fn ends(&self) -> bool {
         self.points.len() < HORIZON

@@ -87,6 +87,9 @@ impl External {
     fn ask(&mut self, perception: &Perception<'_>) -> Result<usize, Fault> {
         self.path.advance(perception);
         self.view.look(perception, &self.path, self.settings.actors, self.settings.route_points);
+        if self.path.is_over(self.view.ego.position()) {
+            self.view.route.clear();
+        }
         let mut session = locked(&self.session);
         let generation = session.ready(perception)?;
         if session.has_lanes() {

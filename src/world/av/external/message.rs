@@ -287,16 +287,17 @@ impl Decision {
 
     /// What is said if a number is out of its range, and clamped.
     pub fn out_of_range(&self) -> Option<String> {
-        let (throttle, brake) = match self.pedals {
-            Choice::Pedals { throttle, brake } => (throttle, brake),
-            Choice::Acceleration(_) => (0.0, 0.0),
-        };
         let steer = self.steer;
         let within = |number: f64, low: f64| (low - ROUNDED..=1.0 + ROUNDED).contains(&number);
-        let fits = within(throttle, 0.0) && within(brake, 0.0) && within(steer, -1.0);
-        (!fits).then(|| {
-            format!("answers throttle {throttle}, brake {brake}, steer {steer}: clamped to 0 to 1, 0 to 1, -1 to 1")
-        })
+        match self.pedals {
+            Choice::Pedals { throttle, brake } => {
+                let fits = within(throttle, 0.0) && within(brake, 0.0) && within(steer, -1.0);
+                let answer = format!("answers throttle {throttle}, brake {brake}, steer {steer}");
+                (!fits).then(|| format!("{answer}: clamped to 0 to 1, 0 to 1, -1 to 1"))
+            }
+            Choice::Acceleration(wanted) => (!within(steer, -1.0))
+                .then(|| format!("answers acceleration {wanted}, steer {steer}: steer is clamped to -1 to 1")),
+        }
     }
 
     /// Checks that all its numbers are finite.
@@ -454,6 +455,8 @@ mod tests {
         let text = "answers throttle 2, brake -1, steer 0: clamped to 0 to 1, 0 to 1, -1 to 1";
         assert_eq!(said(r#""throttle":2,"brake":-1"#).as_deref(), Some(text));
         assert!(said(r#""brake":0,"steer":1.5"#).is_some());
+        let text = "answers acceleration -2, steer -6.5: steer is clamped to -1 to 1";
+        assert_eq!(said(r#""acceleration":-2,"steer":-6.5"#).as_deref(), Some(text));
     }
 
     #[test]
