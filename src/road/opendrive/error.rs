@@ -86,6 +86,8 @@ pub enum OpenDriveProblem {
     MissingLane { lane: i32, inner: i32 },
     #[error("the first lane section begins at {from} m; there are no lanes before it")]
     LateSection { from: String },
+    #[error("two lane sections begin at {at} m; the first one has no length, and the second one counts")]
+    NoLength { at: String },
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
     #[error("the road is {length} m long, and its geometry ends at {drawn} m; the shorter one counts")]

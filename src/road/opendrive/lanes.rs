@@ -40,7 +40,30 @@ pub(super) fn sections(context: &mut Context, lanes: Node, length: f64, types: &
     // Sections that start at one place (one for each side of the road) end at one place too.
     let end = |start: f64| starts.get(starts.partition_point(|(s, _)| *s <= start)).map_or(length, |(s, _)| *s);
     let own = starts.iter().map(|(start, node)| section(context, *node, (*start, end(*start)), types));
-    before.into_iter().chain(own).collect()
+    let own: Vec<LaneSection> = own.collect();
+    before.into_iter().chain(with_length(context, lanes, own)).collect()
+}
+
+/// Takes away what holds nowhere: of two sections with lanes on one side that start at one place, the first one has no length.
+fn with_length(context: &mut Context, node: Node, sections: Vec<LaneSection>) -> Vec<LaneSection> {
+    let (mut place, mut sides, mut kept) = (f64::INFINITY, [0; 2], Vec::new());
+    for mut section in sections.into_iter().rev() {
+        if section.start < place {
+            (place, sides) = (section.start, [0; 2]);
+        }
+        let before = section.lanes.len();
+        section.lanes.retain(|lane| lane.id == 0 || !sides.contains(&lane.id.signum()));
+        if section.lanes.len() < before {
+            context.warn(node, OpenDriveProblem::NoLength { at: metres(place) });
+        }
+        let has = |side: LaneId| section.lanes.iter().any(|lane| lane.id.signum() == side);
+        if before == section.lanes.len() || has(-1) || has(1) {
+            [-1, 1].into_iter().zip(&mut sides).filter(|(side, _)| has(*side)).for_each(|(side, own)| *own = side);
+            kept.push(section);
+        }
+    }
+    kept.reverse();
+    kept
 }
 
 fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &Limits) -> LaneSection {
