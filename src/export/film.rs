@@ -168,7 +168,8 @@ fn draw_town(canvas: &mut Canvas, town: &Town) {
     canvas.fill(&walks, SIDEWALK, 1.0);
     canvas.fill(&lanes, ROAD, 1.0);
     canvas.draw(&marks, 1.4, MARK, 0.8);
-    canvas.fill(&town.crosswalks, MARK, 0.6);
+    let crosswalks: Vec<_> = town.crosswalks.iter().map(|walk| &walk.corners).collect();
+    canvas.fill(&crosswalks, MARK, 0.6);
     let houses: Vec<_> = town.obstacles.iter().map(OrientedBox::corners).collect();
     canvas.fill(&houses, HOUSE, 1.0);
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::chord::Chord;
 use super::lane_network::LaneSlot;
-use super::{LaneFilter, Town, Waypoint};
+use super::{LaneFilter, Place, Town, Waypoint};
 use crate::geometry::{Point, Vector};
 
 /// How far beyond the edge of a lane the centre of a car still counts as inside (m).
@@ -28,11 +28,12 @@ impl Town {
     /// The driving lane whose centre line is nearest to a point; `None` in a town without such lanes, and for a point that is not finite.
     ///
     /// A point outside this lane is outside all driving lanes, as far as lanes beside each other are equally wide.
-    pub fn lane_around(&self, point: Point) -> Option<LaneAround> {
-        let chord = self.index.nearest_chord(self.lanes(), point, LaneFilter::Driving)?;
+    pub fn lane_around(&self, place: impl Into<Place>) -> Option<LaneAround> {
+        let place = place.into();
+        let (chord, point) = (self.chord_at(place, LaneFilter::Driving)?, place.point);
         let lane = self.network.lane(chord.slot);
         Some(LaneAround {
-            place: lane.waypoint(chord.s(chord.project(point))),
+            place: self.beside_chord(chord, point),
             inside: self.inside_at(chord, point),
             direction: chord.along,
             is_junction: lane.in_junction,
@@ -40,9 +41,10 @@ impl Town {
     }
 
     /// Whether a point is past the end of the map: outside all driving lanes, ahead of the end of one that leads nowhere.
-    pub fn is_past_end(&self, point: Point) -> bool {
-        let Some(lane) = self.lane_around(point).filter(|lane| lane.inside < 0.0) else { return false };
-        let past = point - self.pose(lane.place).position();
+    pub fn is_past_end(&self, place: impl Into<Place>) -> bool {
+        let place = place.into();
+        let Some(lane) = self.lane_around(place).filter(|lane| lane.inside < 0.0) else { return false };
+        let past = place.point - self.pose(lane.place).position();
         // From a place within a lane the nearest point outside lies at its side.
         self.successors(lane.place).next().is_none() && past.dot(&lane.direction) > past.norm() / 2.0
     }

@@ -1,10 +1,35 @@
 //! Crosswalks as polygons over the carriageway.
 
-use super::{LaneFilter, LaneKind, Town, Waypoint};
+use std::ops::Deref;
+
+use super::{LaneFilter, LaneKind, Place, Town, Waypoint};
 use crate::geometry::{Point, Vector};
 
 /// How far beside the carriageway the middle of a crosswalk may be given (m).
 const BESIDE: f64 = 1.0;
+
+/// A crosswalk: its corners in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crosswalk {
+    pub corners: Vec<Point>,
+    /// The height of its street (m).
+    pub ground: f64,
+}
+
+impl Crosswalk {
+    /// Its first corner.
+    pub fn place(&self) -> Place {
+        Place::on(self.corners.first().copied().unwrap_or_default(), self.ground)
+    }
+}
+
+impl Deref for Crosswalk {
+    type Target = [Point];
+
+    fn deref(&self) -> &[Point] {
+        &self.corners
+    }
+}
 
 /// Why there can be no crosswalk at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -15,12 +40,12 @@ pub enum CrosswalkError {
     InJunction,
 }
 
-/// The corners of a crosswalk of a width (m, along the street) over the whole carriageway at a place: from the inner edge of one sidewalk to that
+/// A crosswalk of a width (m, along the street) over the whole carriageway at a place: from the inner edge of one sidewalk to that
 /// of the other, at a right angle to the street.
 ///
 /// # Errors
 /// When there is no carriageway at the place, or a junction.
-pub fn across(town: &Town, at: Point, width: f64) -> Result<Vec<Point>, CrosswalkError> {
+pub fn across(town: &Town, at: Point, width: f64) -> Result<Crosswalk, CrosswalkError> {
     let lane = town.nearest_lane(at, LaneFilter::Driving).ok_or(CrosswalkError::NoStreet)?;
     if town.is_junction(lane) {
         return Err(CrosswalkError::InJunction);
@@ -48,5 +73,6 @@ pub fn across(town: &Town, at: Point, width: f64) -> Result<Vec<Point>, Crosswal
     }
     let half = width / 2.0;
     let corners = [(-half, right), (half, right), (half, left), (-half, left)];
-    Ok(corners.map(|(along, aside)| line.to_world(Vector::new(along, aside))).to_vec())
+    let corners = corners.map(|(along, aside)| line.to_world(Vector::new(along, aside))).to_vec();
+    Ok(Crosswalk { corners, ground: town.elevation(lane) })
 }

@@ -42,12 +42,12 @@ pub(super) struct Lanes<'a> {
 }
 
 impl LaneIndex {
-    fn chords(&self, lanes: Lanes, filter: LaneFilter) -> &[Chord] {
+    pub fn chords(&self, lanes: Lanes, filter: LaneFilter) -> &[Chord] {
         self.filters[filter as usize].chords.get_or_init(|| chords(lanes.roads, lanes.network, filter))
     }
 
     /// The tree of a filter with the chords.
-    fn tree(&self, lanes: Lanes, filter: LaneFilter) -> (&ChordTree, &[Chord]) {
+    pub fn tree(&self, lanes: Lanes, filter: LaneFilter) -> (&ChordTree, &[Chord]) {
         let chords = self.chords(lanes, filter);
         (self.filters[filter as usize].tree.get_or_init(|| ChordTree::new(chords)), chords)
     }

@@ -101,6 +101,13 @@ impl Road {
         Some(Pose { x: centre.x, y: centre.y, yaw: line.lane_heading(self.is_forward(id), slope) })
     }
 
+    /// The right and the left edge of a lane: how far to the left of the reference line they are (m).
+    pub fn lane_edges(&self, section: usize, id: LaneId, s: f64) -> Option<[f64; 2]> {
+        let (centre, _) = self.lane_centre(section, id, s)?;
+        let half = self.sections[section].lane(id)?.width.value(s) / 2.0;
+        Some([centre - half, centre + half])
+    }
+
     /// Lateral position of a lane's centre, positive to the left (m), and its slope along the road.
     pub fn lane_centre(&self, section: usize, id: LaneId, s: f64) -> Option<(f64, f64)> {
         let lanes = &self.sections.get(section)?.lanes;

@@ -1,12 +1,13 @@
 use std::ops::Deref;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::chord::Chord;
 use super::lane_index::{LaneIndex, Lanes};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
 use super::{
-    GiveWaySign, Junction, JunctionIndex, LaneFilter, LaneId, LaneKind, LaneSection, LaneStretch, Road, RoutePlanner,
-    SpeedSign, TrafficLight, Waypoint,
+    Crosswalk, GiveWaySign, Junction, JunctionIndex, LaneFilter, LaneId, LaneKind, LaneSection, LaneStretch, Place,
+    Road, RoutePlanner, SpeedSign, TrafficLight, Waypoint,
 };
 use crate::geometry::{OrientedBox, Point, Pose, polygon};
 
@@ -24,8 +25,7 @@ pub struct TownParts {
     pub traffic_lights: Vec<TrafficLight>,
     /// Stop and yield signs, one for each lane that has one.
     pub give_way_signs: Vec<GiveWaySign>,
-    /// Crosswalks: their corners in order.
-    pub crosswalks: Vec<Vec<Point>>,
+    pub crosswalks: Vec<Crosswalk>,
     /// Bus stops: where people wait.
     pub bus_stops: Vec<Point>,
     /// Buildings, walls, trees: everything that blocks pedestrians and sight.
@@ -44,6 +44,7 @@ pub struct Town {
     parts: TownParts,
     has_limits: bool,
     has_ends: bool,
+    pub(super) has_levels: OnceLock<bool>,
     pub(super) network: LaneNetwork,
     pub(super) index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
@@ -75,6 +76,7 @@ impl Town {
             parts,
             has_limits,
             has_ends,
+            has_levels: OnceLock::new(),
             network,
             index: LaneIndex::default(),
             driving_lanes,
@@ -97,14 +99,16 @@ impl Town {
         self.roads.get(waypoint.road.0 as usize).map_or(0.0, |road| road.plan_view.elevation().value(waypoint.s))
     }
 
-    /// Adds crosswalks, each by its corners in order.
-    pub fn add_crosswalks(&mut self, crosswalks: Vec<Vec<Point>>) {
+    /// Adds crosswalks.
+    pub fn add_crosswalks(&mut self, crosswalks: Vec<Crosswalk>) {
         self.parts.crosswalks.extend(crosswalks);
     }
 
     /// Whether a place lies on a crosswalk.
-    pub fn is_on_crosswalk(&self, place: Point) -> bool {
-        self.crosswalks.iter().any(|corners| polygon::contains(corners, place))
+    pub fn is_on_crosswalk(&self, place: impl Into<Place>) -> bool {
+        let place = place.into();
+        let is_on = |walk: &Crosswalk| polygon::contains(walk, place.point) && self.is_on_level(place, walk.place());
+        self.crosswalks.iter().any(is_on)
     }
 
     /// The edges of the lane at a waypoint: left and right of its centre along the reference line; `None` for a lane that does not exist.
@@ -195,8 +199,14 @@ impl Town {
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`, in the plane: the same answers where all roads are level.
-    pub fn nearest_lane(&self, point: Point, filter: LaneFilter) -> Option<Waypoint> {
-        self.index.nearest(self.lanes(), point, filter)
+    pub fn nearest_lane(&self, place: impl Into<Place>, filter: LaneFilter) -> Option<Waypoint> {
+        let place = place.into();
+        self.chord_at(place, filter).map(|chord| self.beside_chord(chord, place.point))
+    }
+
+    /// The place on the lane of a chord beside a point.
+    pub(super) fn beside_chord(&self, chord: &Chord, point: Point) -> Waypoint {
+        self.network.lane(chord.slot).waypoint(chord.s(chord.project(point)))
     }
 
     pub(super) fn lanes(&self) -> Lanes<'_> {

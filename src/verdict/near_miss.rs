@@ -24,7 +24,7 @@ pub struct NearMiss {
     /// never on course to touch within ten seconds. 0 when they touched while the car moved.
     pub min_ttc: Option<f64>,
     /// Post-encroachment time (s) at the ticks, up to two of them too long: the least time between one leaving a place and the other reaching it. `None` if
-    /// their paths do not cross, and when they touched.
+    /// their paths do not cross, when they touched, and when one was above the other.
     pub pet: Option<f64>,
 }
 
@@ -33,8 +33,10 @@ impl NearMiss {
     pub fn new(pair: &Pair<'_>) -> Self {
         let half = Vector::new(pair.blueprint.half_length, pair.blueprint.half_width);
         let bodies = Bodies { half, radius: pair.body.radius };
-        let ticks = if pair.contact.is_none() { bodies.least_lag(pair.frames()) } else { None };
-        Self { min_ttc: bodies.least_time(pair.frames()), pet: ticks.map(|ticks| ticks as f64 * pair.dt()) }
+        let has_none = pair.contact.is_some() || pair.frames().any(|frame| !pair.is_on_level(&frame));
+        let ticks = if has_none { None } else { bodies.least_lag(pair.frames()) };
+        let frames = pair.frames().filter(|frame| pair.is_on_level(frame));
+        Self { min_ttc: bodies.least_time(frames), pet: ticks.map(|ticks| ticks as f64 * pair.dt()) }
     }
 
     /// The time to collision (s) at the last tick, if it is less than three seconds.

@@ -519,6 +519,6 @@ impl Between for VehicleState {
 impl Between for PedestrianState {
     fn between(&self, next: &Self, share: f64) -> Self {
         let velocity = self.velocity + (next.velocity - self.velocity) * share;
-        Self { pose: self.pose.between(&next.pose, share), velocity }
+        Self { pose: self.pose.between(&next.pose, share), velocity, ..*self }
     }
 }

@@ -69,7 +69,7 @@ fn walk(legs: &[(usize, Vector)], ticks: usize, meeting: usize, at: Point, gait:
 fn drive(speed: f64, ticks: usize, mut braking: impl FnMut(usize, f64, f64) -> f64) -> Vec<VehicleState> {
     let (mut speed, mut way) = (speed, 0.0);
     let states = (0..ticks).map(|tick| {
-        let here = VehicleState { pose: Pose::new(way, 0.0, 0.0), speed, age: 0.0 };
+        let here = VehicleState { pose: Pose::new(way, 0.0, 0.0), speed, age: 0.0, ..VehicleState::default() };
         let slower = braking(tick, speed, way) * DT;
         way += speed * DT;
         speed = (speed - slower).max(0.0);
@@ -224,7 +224,8 @@ fn moved(car: &[VehicleState], walk: &Walk, mirror: f64, frame: &Pose) -> (Vec<V
     let cars = car.iter().map(|state| VehicleState { pose: place(&state.pose), ..*state }).collect();
     let turned = |velocity: &Vector| frame.to_world(Vector::new(velocity.x, mirror * velocity.y)) - frame.position();
     let states = walk.states.iter();
-    let states = states.map(|state| PedestrianState { pose: place(&state.pose), velocity: turned(&state.velocity) });
+    let states =
+        states.map(|state| PedestrianState { pose: place(&state.pose), velocity: turned(&state.velocity), ..*state });
     (cars, Walk { states: states.collect() })
 }
 

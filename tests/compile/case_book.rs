@@ -138,7 +138,7 @@ impl Car {
         let states = times().zip(ways).map(|(time, way)| {
             let (along, speed) = (way - at_meeting, self.speed_at(speed, time));
             let pose = self.pose(speed, along - half_length);
-            let state = VehicleState { pose, speed, age: 0.0 };
+            let state = VehicleState { pose, speed, age: 0.0, ..VehicleState::default() };
             if self.reverses { state.reversed() } else { state }
         });
         states.collect()

@@ -67,6 +67,7 @@ fn a_crowd_changes_what_is_in_the_corridor_and_not_how_it_is_found() {
                     tick: 0,
                     dt: 0.05,
                     ego,
+                    ground: 0.0,
                     speed_limit: 13.9,
                     signed_limit: None,
                     route: &[],

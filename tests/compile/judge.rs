@@ -74,7 +74,12 @@ fn a_recording_repeats_its_episode_bit_by_bit() {
 
 /// What another simulator would have recorded of an episode: poses and speeds.
 fn recorded(scenario: &Scenario, trace: &Trace) -> Recording {
-    let car = |frame: &VehicleFrame| VehicleState { pose: frame.state.pose, speed: frame.state.speed, age: 0.0 };
+    let car = |frame: &VehicleFrame| VehicleState {
+        pose: frame.state.pose,
+        speed: frame.state.speed,
+        age: 0.0,
+        ..VehicleState::default()
+    };
     let walker = |state: &PedestrianState| PedestrianState::moving(state.pose, state.speed());
     let ego = trace.vehicle(0).iter().map(car).collect();
     Recording::new(scenario.episode.tick, ego, trace.pedestrian(0).iter().map(walker).collect()).unwrap()

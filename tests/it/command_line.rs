@@ -190,6 +190,28 @@ fn no_car_starts_where_its_lane_is_narrower_than_it_is() {
 }
 
 #[test]
+fn who_could_only_start_on_a_footbridge_does_not_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = ON_A_MAP.replace("distance: 7 m .. 40 m", "distance: 7 m .. 40 m  ground: sidewalk");
+    std::fs::write(folder.path().join("drive.scn"), scenario).unwrap();
+    let with_bridge = |height: &str| {
+        let bridge = format!(
+            r#"<road id="2" length="60" junction="-1"><planView><geometry s="0" x="150" y="-30" hdg="1.5707963267948966" length="60"><line/></geometry></planView><elevationProfile><elevation s="0" a="{height}" b="0" c="0" d="0"/></elevationProfile><lanes><laneSection s="0"><left><lane id="1" type="sidewalk"><width a="20"/></lane></left></laneSection></lanes></road></OpenDRIVE>"#
+        );
+        let street = map_with_lane("driving", r#"<width a="3.5"/>"#);
+        std::fs::write(folder.path().join("map.xodr"), street.replace("</OpenDRIVE>", &bridge)).unwrap();
+        let preview = falsify(&["preview", "map.xodr"], folder.path());
+        (falsify(&["check", "drive.scn"], folder.path()), String::from_utf8_lossy(&preview.stdout).into_owned())
+    };
+    let (level, described) = with_bridge("0");
+    assert!(level.status.success() && !described.contains("above others"), "{level:?} {described}");
+    let (above, described) = with_bridge("6");
+    assert_eq!(above.status.code(), Some(3), "{above:?}");
+    assert!(error(&above).contains("pedestrian on the level of the car"), "{above:?}");
+    assert!(described.contains("above others    1 place"), "{described}");
+}
+
+#[test]
 fn what_is_about_parts_that_a_town_lacks_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let lane = map_with_lane("driving", r#"<width a="3.5"/>"#);

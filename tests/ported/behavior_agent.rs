@@ -75,6 +75,7 @@ impl Scene {
             tick: 0,
             dt: 0.05,
             ego: self.ego,
+            ground: 0.0,
             speed_limit: 30.0 / 3.6,
             signed_limit: None,
             route: &[],

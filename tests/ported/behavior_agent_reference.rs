@@ -173,6 +173,7 @@ fn replay(
             tick: row as u32,
             dt: 0.05,
             ego,
+            ground: 0.0,
             speed_limit: rows.get(row, "speed_limit") / 3.6,
             signed_limit: None,
             route: &[],

@@ -4,3 +4,4 @@ mod sensor_noise;
 mod reference_drivers;
 mod walking;
 mod vehicles;
+mod levels;

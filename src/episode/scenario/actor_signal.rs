@@ -3,6 +3,7 @@
 use super::signal::{FARTHEST, FASTEST};
 use base::signature::{ActorSignal, Variable};
 use base::units::Dimension;
+use road::Place;
 use road::geometry::{Pose, Vector};
 use world::av::EYE;
 use world::sim::{ActorId, Contact, World};
@@ -46,12 +47,14 @@ pub(super) fn signals() -> Vec<Variable> {
 /// The value of a signal after a tick (SI). What is not in the world is far away and out of sight.
 pub(crate) fn value(world: &World, ActorSignal { of, to, signal }: ActorSignal, contact: Option<&Contact>) -> f64 {
     let (of, to) = (ActorId::of_code(of), ActorId::of_code(to));
-    let ((place, present), (origin, there)) = (pose(world, of), pose(world, to));
+    let ((place, present, own), (origin, there, other)) = (pose(world, of), pose(world, to));
     let local = origin.to_local(place.position());
     let is_near = present && there;
+    let is_on_level = || world.town.is_on_level(own, other);
     match signal {
         0 | 1 if !is_near => FARTHEST,
         0 if contact.is_some_and(|contact| [(of, to), (to, of)].contains(&contact.pair)) => 0.0,
+        0 if !is_on_level() => FARTHEST,
         0 => gap(world, of, to),
         1 => local.norm(),
         2 => local.x,
@@ -65,21 +68,21 @@ pub(crate) fn value(world: &World, ActorSignal { of, to, signal }: ActorSignal, 
                 }
                 ActorId::Pedestrian(_) => origin.position(),
             };
-            f64::from(is_near && world.obstacles.shows(eye, place.position(), radius(world, of)))
+            f64::from(is_near && is_on_level() && world.obstacles.shows(eye, place.position(), radius(world, of)))
         }
     }
 }
 
-/// The pose of an actor, and whether it is in the world.
-fn pose(world: &World, actor: ActorId) -> (Pose, bool) {
+/// The pose of an actor, whether it is in the world, and its place on its level.
+fn pose(world: &World, actor: ActorId) -> (Pose, bool, Place) {
     match actor {
         ActorId::Vehicle(number) => {
             let vehicle = &world.vehicles[usize::from(number)];
-            (vehicle.state.pose, vehicle.is_present)
+            (vehicle.state.pose, vehicle.is_present, vehicle.state.place())
         }
         ActorId::Pedestrian(number) => {
             let pedestrian = &world.pedestrians[usize::from(number)];
-            (pedestrian.state.pose, pedestrian.is_present)
+            (pedestrian.state.pose, pedestrian.is_present, pedestrian.state.place())
         }
     }
 }

@@ -167,7 +167,7 @@ const WALKING: f64 = 41.0;
 /// The longest episode: a million ticks of 0.1 s, and the shortest tick (s).
 const MAX_TIME: f64 = 1e5;
 const SHORTEST: f64 = 1e-3;
-pub(super) const FARTHEST: f64 = FASTEST * MAX_TIME;
+pub(crate) const FARTHEST: f64 = FASTEST * MAX_TIME;
 /// The centre of a pedestrian that touches a car is not at the car's centre (m).
 const TOUCHING: f64 = 0.1;
 

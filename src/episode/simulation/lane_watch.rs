@@ -1,5 +1,5 @@
 use road::geometry::{Point, Vector};
-use road::{Town, Waypoint};
+use road::{Place, Town, Waypoint};
 use world::sim::VehicleState;
 
 /// Where the centre of a car is.
@@ -38,20 +38,20 @@ impl LaneWatch {
     pub fn look(&mut self, town: &Town, car: &VehicleState) -> LanePlace {
         let here = car.pose.position();
         if self.room < 0.0 || (here - self.checked).norm_squared() >= self.room * self.room {
-            (self.place, self.room) = self.look_up(town, here, car.pose.forward());
+            (self.place, self.room) = self.look_up(town, car.place(), car.pose.forward());
             self.checked = here;
         }
         self.place
     }
 
-    fn look_up(&mut self, town: &Town, here: Point, heading: Vector) -> (LanePlace, f64) {
+    fn look_up(&mut self, town: &Town, here: Place, heading: Vector) -> (LanePlace, f64) {
         let Some(lane) = town.lane_around(here) else { return (LanePlace::Inside, 0.0) };
         let edge = lane.inside.abs();
         if lane.inside < 0.0 {
             return (LanePlace::OffRoad, edge);
         }
         if lane.is_junction {
-            let inside = town.inside_way_on(*self.entered.get_or_insert(lane.place), here);
+            let inside = town.inside_way_on(*self.entered.get_or_insert(lane.place), here.point);
             let place = if inside < 0.0 { LanePlace::OutsideLane } else { LanePlace::Inside };
             return (place, edge.min(inside.abs()));
         }

@@ -232,6 +232,7 @@ impl Simulation for LocalSimulation {
         {
             actions.starts[0].pose = start;
             world.pedestrians[0].state = PedestrianState::standing(start);
+            world.put_on_ground();
         }
         (self.episode.is_due, self.episode.held) = (false, 0);
         match self.walkers.decide(scenario, world, actions, commands) {

@@ -63,7 +63,7 @@ impl Motion {
 
     fn measure_ttc(&mut self, world: &World) {
         let ego = world.ego();
-        if ego.state.speed <= STANDING {
+        if ego.state.speed <= STANDING || !world.is_on_level(0, self.pedestrian) {
             return;
         }
         let walker = &world.pedestrians[self.pedestrian];

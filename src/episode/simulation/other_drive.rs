@@ -86,6 +86,7 @@ impl<'a> OtherDrive<'a> {
         let state = &mut self.world.pedestrians[number].state;
         (state.pose.x, state.pose.y) = (walker.x, walker.y);
         self.world.vehicles[0].state.pose = ego;
+        self.world.vehicles[0].state.ground = self.pair.frame(tick.min(self.pair.len() - 1)).ego.ground;
         self.world.vehicles[0].state.speed = speed;
         self.world.ticks = self.samples as u32;
         match self.samples {

@@ -193,7 +193,13 @@ impl<'a> Pair<'a> {
 
     /// Whether the middle or an edge of the pedestrian can be seen from the driver's eye. Only obstacles hide it.
     pub fn in_sight(&self, frame: &Frame) -> bool {
-        self.obstacles().shows(self.eye(frame), frame.pedestrian.pose.position(), self.body.radius)
+        self.is_on_level(frame)
+            && self.obstacles().shows(self.eye(frame), frame.pedestrian.pose.position(), self.body.radius)
+    }
+
+    /// Whether both are on one level. Otherwise they neither meet nor see each other.
+    pub fn is_on_level(&self, frame: &Frame) -> bool {
+        !self.is_on_map() || self.scenario.town.is_on_level(frame.ego.place(), frame.pedestrian.place())
     }
 
     /// Whether the episode took place on the scenario's map. A recording from elsewhere did not.
@@ -203,7 +209,8 @@ impl<'a> Pair<'a> {
 
     /// Distance from the pedestrian to the car's box (m); 0 when they touch.
     pub fn gap(&self, frame: &Frame) -> f64 {
-        frame.pedestrian.gap_to(&self.outline(frame), self.body)
+        let gap = frame.pedestrian.gap_to(&self.outline(frame), self.body);
+        if self.is_on_level(frame) { gap } else { f64::INFINITY }
     }
 
     /// The box of the car.

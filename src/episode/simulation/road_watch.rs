@@ -50,9 +50,9 @@ impl RoadWatch {
         let ego = world.ego();
         let here = ego.state.pose.position();
         if self.is_due(here) {
-            let inside = inside(world, here);
+            let inside = inside(world);
             if inside < 0.0 {
-                let past_end = world.town.is_past_end(here);
+                let past_end = world.town.is_past_end(world.ego().state.place());
                 self.left_out = Some(if past_end { LeftOut::RoadEnd } else { LeftOut::OffRoad });
                 self.alone = false;
                 return;
@@ -62,7 +62,8 @@ impl RoadWatch {
         let eye = ego.state.pose.to_world(Vector::new(ego.blueprint.half_length - EYE, 0.0));
         let obstacles = &world.obstacles;
         // A driver from outside gets what its middle sees, a verdict asks for its eye: either counts as sight.
-        let is_seen = world.pedestrians.iter().filter(|pedestrian| pedestrian.is_present).any(|pedestrian| {
+        let present = world.pedestrians.iter().enumerate().filter(|(_, pedestrian)| pedestrian.is_present);
+        let is_seen = present.filter(|(number, _)| world.is_on_level(0, *number)).any(|(_, pedestrian)| {
             let place = pedestrian.state.pose.position();
             !obstacles.blocks_sight(here, place) || obstacles.shows(eye, place, pedestrian.body.radius)
         });
@@ -79,8 +80,8 @@ impl RoadWatch {
         if !self.is_due(here) {
             return;
         }
-        let inside = inside(world, here);
-        if inside < 0.0 && world.town.is_past_end(here) {
+        let inside = inside(world);
+        if inside < 0.0 && world.town.is_past_end(world.ego().state.place()) {
             self.left_out = Some(LeftOut::RoadEnd);
         }
         self.checked = (here, inside.abs());
@@ -92,7 +93,7 @@ impl RoadWatch {
     }
 }
 
-/// How far a place is inside the road (m); negative outside.
-fn inside(world: &World, place: Point) -> f64 {
-    world.town.lane_around(place).map_or(f64::INFINITY, |lane| lane.inside)
+/// How far the ego is inside the road (m); negative outside.
+fn inside(world: &World) -> f64 {
+    world.town.lane_around(world.ego().state.place()).map_or(f64::INFINITY, |lane| lane.inside)
 }

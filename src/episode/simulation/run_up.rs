@@ -2,7 +2,7 @@ use crate::{EgoSpeed, Scenario};
 use base::seed::Stream;
 use rand::RngExt;
 use road::geometry::{OrientedBox, Pose, wrap_angle};
-use road::{LaneFilter, RoadOption, Town, Waypoint, lane_route};
+use road::{RoadOption, Town, Waypoint, lane_route};
 use world::av::Fault;
 use world::sim::{LightCycle, VehicleBlueprint, VehicleState};
 
@@ -89,7 +89,7 @@ impl RunUp {
         (self.goal, self.stage) = (goal, Stage::RunUp);
         (self.limit, self.speed) = (None, f64::INFINITY);
         self.lanes.clear();
-        let Some(mut here) = town.nearest_lane(goal.position(), LaneFilter::Driving) else { return };
+        let Some(mut here) = town.lane_under(&goal) else { return };
         self.lanes.push(here);
         let mut walked = 0.0;
         while walked < self.length && self.lanes.len() < MAX_LANES {
@@ -114,7 +114,7 @@ impl RunUp {
             return;
         }
         if self.lanes.is_empty() {
-            self.lanes.extend(town.nearest_lane(goal.position(), LaneFilter::Driving));
+            self.lanes.extend(town.lane_under(goal));
             self.at_goal = 0;
         }
         let Some(here) = self.lanes.last().copied() else { return };

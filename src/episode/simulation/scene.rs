@@ -115,9 +115,11 @@ impl<'a> Scene<'a> {
 
     /// The actors beside the ego and a pedestrian, each with its distance from that one (m) and its code, by which they are ordered.
     fn others(&self, pedestrian: usize) -> impl Iterator<Item = ((f64, usize), SeenActor)> {
-        let here = self.world.pedestrians[pedestrian].state.pose.position();
+        let own = self.world.pedestrians[pedestrian].state.place();
+        let (town, here) = (&self.world.town, own.point);
         let order = move |pose: &Pose, actor: ActorId| ((pose.position() - here).norm(), actor.code());
         let vehicles = self.world.vehicles.iter().enumerate().skip(1).filter(|(_, each)| each.is_present);
+        let vehicles = vehicles.filter(move |(_, each)| town.is_on_level(own, each.state.place()));
         let vehicles = vehicles.map(move |(number, each)| {
             let (pose, half) = (each.state.pose, each.outline().half);
             let velocity = pose.forward() * each.state.speed;
@@ -126,6 +128,7 @@ impl<'a> Scene<'a> {
         });
         let pedestrians = self.world.pedestrians.iter().enumerate();
         let pedestrians = pedestrians.filter(move |(number, each)| *number != pedestrian && each.is_present);
+        let pedestrians = pedestrians.filter(move |(_, each)| town.is_on_level(own, each.state.place()));
         vehicles.chain(pedestrians.map(move |(number, each)| {
             let (pose, velocity) = (each.state.pose, each.state.velocity);
             let seen = SeenActor { pose, velocity, half: each.body.half(), is_vehicle: false };

@@ -1,9 +1,9 @@
 use super::lane_watch::{LanePlace, LaneWatch};
 use super::motion::STANDING;
 use crate::MOVING_ABOVE;
-use crate::scenario::signal::{AHEAD, HORIZON, Situation, Wanted};
-use road::TrafficLight;
+use crate::scenario::signal::{AHEAD, FARTHEST, HORIZON, Situation, Wanted};
 use road::geometry::{OrientedBox, Point, Vector, polygon, time_to_touch};
+use road::{Crosswalk, Place, TrafficLight};
 use world::av::EYE;
 use world::sim::{Contact, LightColour, World};
 
@@ -107,7 +107,7 @@ impl SignalMeter {
         let place = walker.state.pose.position();
         now.moving = f64::from(speed > MOVING_ABOVE);
         if wanted.gap {
-            now.gap = if hit.is_some() { 0.0 } else { world.gap(0, number) };
+            now.gap = if hit.is_some() { 0.0 } else { world.gap(0, number).min(FARTHEST) };
         }
         if wanted.closing_speed || wanted.ttc {
             let pose = &ego.state.pose;
@@ -122,7 +122,7 @@ impl SignalMeter {
                 let half = Vector::new(ego.blueprint.half_length, ego.blueprint.half_width);
                 let local = Vector::new(local.x, local.y);
                 let time = || time_to_touch(local, closing, half, walker.body.radius, HORIZON);
-                now.ttc = match (hit.is_some(), speed > STANDING) {
+                now.ttc = match (hit.is_some(), speed > STANDING && world.is_on_level(0, number)) {
                     (_, false) => HORIZON,
                     (true, true) => 0.0,
                     (false, true) => time().unwrap_or(HORIZON),
@@ -131,10 +131,12 @@ impl SignalMeter {
         }
         if wanted.pet {
             let outline = ego.outline();
+            // Who is on another level is at no place of the car.
+            let place = if world.is_on_level(0, number) { place } else { Point::new(f64::INFINITY, 0.0) };
             now.pet = self.encroachment.tick(&outline, place, walker.body.radius, hit.is_some());
         }
         if wanted.lane_offset {
-            let lane = world.town.lane_around(ego.state.pose.position());
+            let lane = world.town.lane_around(ego.state.place());
             now.lane_offset =
                 lane.map_or(0.0, |lane| world.town.pose(lane.place).to_local(ego.state.pose.position()).y);
         }
@@ -150,11 +152,12 @@ impl SignalMeter {
         if wanted.crosswalk_distance || wanted.crosswalk_taken || wanted.crosswalk_waiting {
             let (distance, corners) = next_crosswalk(world);
             let near = |reach: (f64, f64)| {
-                let within = |place: Point| {
-                    let apart = corners.map_or(f64::INFINITY, |corners| polygon::distance(corners, place));
+                let within = |place: Place| {
+                    let here = corners.filter(|corners| world.town.is_on_level(place, corners.place()));
+                    let apart = here.map_or(f64::INFINITY, |corners| polygon::distance(corners, place.point));
                     reach.0 <= apart && apart <= reach.1
                 };
-                f64::from(world.pedestrians.iter().any(|walker| within(walker.state.pose.position())))
+                f64::from(world.pedestrians.iter().any(|walker| within(walker.state.place())))
             };
             now.crosswalk_distance = distance;
             now.crosswalk_taken = near((0.0, 0.0));
@@ -162,7 +165,8 @@ impl SignalMeter {
         }
         if wanted.in_sight {
             let eye = ego.state.pose.to_world(Vector::new(ego.blueprint.half_length - EYE, 0.0));
-            now.in_sight = f64::from(world.obstacles.shows(eye, place, walker.body.radius));
+            let is_seen = world.obstacles.shows(eye, place, walker.body.radius);
+            now.in_sight = f64::from(is_seen && world.is_on_level(0, number));
         }
     }
 }
@@ -179,7 +183,8 @@ fn next_light(world: &World) -> (f64, bool) {
         let on_lane = local.y.abs() <= light.trigger.half.y * LANE_WIDTHS;
         let left = STOP_LINE - local.x;
         let ahead = (-2.0 * blueprint.half_length..AHEAD).contains(&left);
-        (on_lane && ahead && pose.forward().dot(&light.stop.forward()) > 0.7).then_some(left)
+        let is_here = || world.town.is_on_level(world.ego().state.place(), world.town.place_of_car(&light.stop));
+        (on_lane && ahead && pose.forward().dot(&light.stop.forward()) > 0.7 && is_here()).then_some(left)
     };
     let all = world.town.traffic_lights.iter().filter_map(|light| Some((distance(light)?, light)));
     let next = all.min_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -187,7 +192,7 @@ fn next_light(world: &World) -> (f64, bool) {
 }
 
 /// The distance of the ego's front to the next crosswalk straight ahead (m), 0 while its body is on it, with its corners; [`AHEAD`] without one.
-fn next_crosswalk(world: &World) -> (f64, Option<&[Point]>) {
+fn next_crosswalk(world: &World) -> (f64, Option<&Crosswalk>) {
     let (pose, blueprint) = (&world.ego().state.pose, &world.ego().blueprint);
     // Where the axis of the car, from its back on, is on the crosswalk first and last.
     let along = |corners: &[Point]| {
@@ -199,8 +204,9 @@ fn next_crosswalk(world: &World) -> (f64, Option<&[Point]>) {
         (last >= -blueprint.half_length).then_some((first - blueprint.half_length).max(0.0))
     };
     let all = world.town.crosswalks.iter().filter_map(|corners| Some((along(corners)?, corners)));
-    let next = all.filter(|(distance, _)| *distance < AHEAD).min_by(|(a, _), (b, _)| a.total_cmp(b));
-    next.map_or((AHEAD, None), |(distance, corners)| (distance, Some(corners.as_slice())))
+    let here = |walk: &Crosswalk| world.town.is_on_level(world.ego().state.place(), walk.place());
+    let next = all.filter(|(distance, walk)| *distance < AHEAD && here(walk)).min_by(|(a, _), (b, _)| a.total_cmp(b));
+    next.map_or((AHEAD, None), |(distance, corners)| (distance, Some(corners)))
 }
 
 /// The post-encroachment time up to now: the places of both bodies in the last ten seconds.

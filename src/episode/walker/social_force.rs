@@ -1,4 +1,5 @@
 use crate::Scene;
+use road::Place;
 use road::geometry::{OrientedBox, Point, Vector};
 
 /// Relaxation time (s), and the greatest speed as a share of the wanted one.
@@ -30,9 +31,10 @@ pub(super) fn among_others(scene: &Scene<'_>, pedestrian: usize, wanted: Vector,
     for step in 0..steps as u32 {
         let time = f64::from(step) * tick;
         let mut force = (wanted - velocity) / RELAXATION;
-        for (_, other) in
-            world.pedestrians.iter().enumerate().filter(|(other, each)| *other != pedestrian && each.is_present)
-        {
+        let is_here = |other: Place| world.town.is_on_level(state.place(), other);
+        let others =
+            world.pedestrians.iter().enumerate().filter(|(other, each)| *other != pedestrian && each.is_present);
+        for (_, other) in others.filter(|(_, each)| is_here(each.state.place())) {
             let there = other.state.pose.position() + other.state.velocity * time;
             let pushed = of_pedestrian(place - there, other.state.velocity);
             let is_seen = wanted.dot(&-pushed) >= SIGHT * wanted.norm() * pushed.norm();
@@ -41,7 +43,7 @@ pub(super) fn among_others(scene: &Scene<'_>, pedestrian: usize, wanted: Vector,
         for wall in world.obstacles.near(place, REACH) {
             force += of_wall(wall, place);
         }
-        for car in world.vehicles.iter().filter(|each| each.is_present && !each.is_parked) {
+        for car in world.vehicles.iter().filter(|each| each.is_driven() && is_here(each.state.place())) {
             let mut outline = car.outline();
             let moved = outline.pose.position() + outline.pose.forward() * (car.state.speed * time);
             (outline.pose.x, outline.pose.y) = (moved.x, moved.y);

@@ -101,7 +101,7 @@ impl BehaviorAgent {
     /// Checks its surroundings, in CARLA's order. `limit` and `speed` in km/h.
     fn intend(&mut self, perception: &Perception<'_>, ego: &EgoBody, limit: f64, speed: f64) -> Intent {
         let mut known = None;
-        let mut here = || *known.get_or_insert_with(|| Here::look_up(perception.town, perception.ego.pose.position()));
+        let mut here = || *known.get_or_insert_with(|| Here::look_up(perception.town, perception.place()));
         if self.red_lights.stop(&self.traits, perception, ego, &mut here) {
             self.decision.red_light = true;
             return Intent::Stop(DrivingMode::RedLight);

@@ -3,7 +3,7 @@ use super::planner::Planner;
 use super::polygon::{Corner, rings_touch};
 use super::release::{Measure, PolygonRule, ReleaseTraits};
 use road::geometry::{Point, Pose, Vector};
-use road::{LaneFilter, Town, Waypoint};
+use road::{LaneFilter, Place, Town, Waypoint};
 use world::av::{Actor, Perception};
 
 /// Walkers count within this distance of the lane under the ego (m).
@@ -29,7 +29,7 @@ pub(super) struct Here {
 
 impl Here {
     /// Looks up the driving lane nearest to a place.
-    pub fn look_up(town: &Town, place: Point) -> Option<Self> {
+    pub fn look_up(town: &Town, place: impl Into<Place>) -> Option<Self> {
         let waypoint = town.nearest_lane(place, LaneFilter::Driving)?;
         let pose = town.pose(waypoint);
         Some(Self {
@@ -163,7 +163,9 @@ impl ObstacleTest<'_> {
 
     fn examine(&mut self, obstacle: &Actor, cosine: f64) -> Finding {
         let centre = location(obstacle);
-        let lane = |filter| self.perception.town.nearest_lane(obstacle.pose.position(), filter);
+        let town = self.perception.town;
+        let place = || town.place_from(self.perception.place(), obstacle.pose.position());
+        let lane = |filter| town.nearest_lane(place(), filter);
         let mut known = None;
         match self.traits.polygons {
             PolygonRule::Never => {}

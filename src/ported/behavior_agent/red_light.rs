@@ -18,7 +18,8 @@ struct Approach {
 
 impl Approach {
     fn look_up(perception: &Perception<'_>, light: &Light) -> Option<Self> {
-        let lane = Here::look_up(perception.town, light.trigger.position())?;
+        let lane =
+            Here::look_up(perception.town, perception.town.place_from(perception.place(), light.trigger.position()))?;
         Some(Self { location: lane.location, forward: Direction::new(&lane.pose), road: lane.waypoint.road })
     }
 }

@@ -36,7 +36,8 @@ fn brakes_for(walker: &Actor, rules: &BrakeRules, path: &Path, perception: &Perc
         return false;
     }
     let town = perception.town;
-    let nearest = |filter| town.nearest_lane(position, filter);
+    let its = town.place_from(perception.place(), position);
+    let nearest = |filter| town.nearest_lane(its, filter);
     let its = nearest(LaneFilter::Driving);
     let same = |lane: Waypoint| its.is_some_and(|its| (its.road, its.lane) == (lane.road, lane.lane));
     let mut lanes = path.points();

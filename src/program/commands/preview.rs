@@ -15,7 +15,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Checked, Error, Session};
 use base::diagnostic::{Colour, render};
 use results::report::{self, MapPage, StartLayer, TownView};
-use road::{AssumedLimit, GiveWay, LaneKind, Town, opendrive};
+use road::{AssumedLimit, Crossing, GiveWay, LEVEL, LaneKind, Town, opendrive};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -30,8 +30,10 @@ Exit codes: 0 the page is written   3 --once, and the file has errors   6 the pa
 const PAUSE: Duration = Duration::from_millis(250);
 /// Maximum number of layers of starts in a town.
 const MAX_LAYERS: usize = 12;
-/// Maximum number of problems on a page.
+/// Maximum number of problems on a page, and of pairs of roads that are named.
 const MAX_PROBLEMS: usize = 50;
+/// Roads that differ less in height lie on each other (m).
+const SAME_HEIGHT: f64 = 0.5;
 
 /// Options of `falsify preview`.
 #[derive(Debug, Args)]
@@ -260,7 +262,13 @@ fn describe(town: &Town) {
     let inside = town.roads.iter().filter(|road| road.junction.is_some()).count();
     let junctions = console::count(town.junctions.len(), "junction");
     let signs = |kind| town.give_way_signs.iter().filter(|sign| sign.kind == kind).count().to_string();
+    let crossings = town.crossings();
+    let odd: Vec<String> = crossings.iter().filter_map(|crossing| said_of(town, crossing)).collect();
+    let above = crossings.iter().filter(|crossing| crossing.apart >= LEVEL).count();
     console::say(&format!("town {}", town.name));
+    if above > 0 {
+        console::say(&format!("  {:16}{}", "above others", console::count(above, "place")));
+    }
     for (what, value) in [
         ("extent", format!("{:.0} m × {:.0} m", high.x - low.x, high.y - low.y)),
         ("roads", format!("{} ({inside} inside {junctions})", town.roads.len())),
@@ -273,11 +281,28 @@ fn describe(town: &Town) {
         ("yield signs", signs(GiveWay::Yield)),
         ("crosswalks", town.crosswalks.len().to_string()),
         ("obstacles", town.obstacles.len().to_string()),
-        ("warnings", town.warnings.len().to_string()),
+        ("warnings", (town.warnings.len() + odd.len()).to_string()),
     ] {
         console::say(&format!("  {what:16}{value}"));
     }
     town.warnings.iter().for_each(|warning| console::say(&format!("    {warning}")));
+    let more = odd.len().saturating_sub(MAX_PROBLEMS);
+    let rest = (more > 0).then(|| format!("… and {more} more pairs of roads"));
+    odd.iter().take(MAX_PROBLEMS).chain(&rest).for_each(|crossing| console::say(&format!("    {crossing}")));
+}
+
+/// What is odd about two roads at one place: they lie on each other, or one above the other and cannot be told apart.
+fn said_of(town: &Town, Crossing { roads, place, apart, is_same_way }: &Crossing) -> Option<String> {
+    let why = match *apart {
+        ..SAME_HEIGHT => "on each other, or they cross without a junction: their cars meet".to_owned(),
+        ..LEVEL => format!("only {apart:.1} m apart in height, which is one level: their cars meet"),
+        _ if *is_same_way => {
+            "above each other in one direction: a car that starts there is on the lower one".to_owned()
+        }
+        _ => return None,
+    };
+    let [one, other] = roads.map(|road| town.roads[road.0 as usize].id);
+    Some(format!("roads {one} and {other} at ({:.1} m, {:.1} m): {why}", place.x, place.y))
 }
 
 /// The limits that the map gives its driving lanes.

@@ -1,14 +1,14 @@
 use roxmltree::Node;
 
 use super::OpenDriveProblem;
-use super::attributes::{Context, children};
+use super::attributes::{Context, child, children};
 use super::roads::Roads;
 use super::signals::{BESIDE, Placed, placed};
 use super::unused::is_crosswalk;
-use crate::geometry::{Point, Pose, Vector};
+use crate::geometry::{Point, Pose, Vector, polygon};
 use crate::lane_index::{LaneIndex, Lanes};
 use crate::lane_network::LaneNetwork;
-use crate::{LaneFilter, Road};
+use crate::{Crosswalk, Lane, LaneFilter, LaneKind, Road};
 
 /// The least length and width of a crosswalk without an outline (m); a smaller object of that name is a sign or a lamp.
 const MIN_SIDE: f64 = 1.0;
@@ -22,21 +22,30 @@ const MAX_REPEATED: f64 = 1000.0;
 /// # Source
 /// OpenDRIVE 1.4 and later, `objects/object/outline` with `cornerLocal` (u, v) or `cornerRoad` (s, t), or `length` and `width`; `repeat`, whose
 /// values overrule those of the object.
-pub(super) fn crosswalks(context: &mut Context, roads: &Roads, network: &LaneNetwork) -> Vec<Vec<Point>> {
-    let mut found = Vec::new();
+///
+/// Those of `crossPath` follow; one that such an object marks is there once.
+pub(super) fn crosswalks(
+    context: &mut Context,
+    roads: &Roads,
+    network: &LaneNetwork,
+    cross_paths: Vec<Crosswalk>,
+) -> Vec<Crosswalk> {
+    let mut found: Vec<Crosswalk> = Vec::new();
     let (index, lanes) = (LaneIndex::default(), Lanes { roads: &roads.roads, network });
     for object in placed(context, roads, network, ["objects", "object"], is_crosswalk) {
         let road = &roads.roads[object.road.0 as usize];
         let before = found.len();
         for (s, t) in places(context, &object) {
-            found.extend(polygons(context, object.node, road, (s, t)));
+            let ground = road.plan_view.elevation().value(s);
+            let corners = polygons(context, object.node, road, (s, t)).into_iter();
+            found.extend(corners.map(|corners| Crosswalk { corners, ground }));
         }
         context.road = roads.nodes[object.road.0 as usize].attribute("id").map(str::to_owned);
         for corners in &found[before..] {
-            let middle = corners.iter().map(|corner| corner.coords).sum::<Vector>() / corners.len() as f64;
-            let near = index.nearest(lanes, middle.into(), LaneFilter::Driving);
+            let middle = middle(corners);
+            let near = index.nearest(lanes, middle, LaneFilter::Driving);
             let lane = near.and_then(|near| Some((network.lane(network.slot(near)?), near.s)));
-            let apart = lane.map(|(lane, s)| (network.pose(&roads.roads, lane, s).position().coords - middle).norm());
+            let apart = lane.map(|(lane, s)| (network.pose(&roads.roads, lane, s).position() - middle).norm());
             if let Some(apart) = apart.filter(|apart| *apart > BESIDE) {
                 context.warn(object.node, OpenDriveProblem::CrosswalkAside { apart: apart as u32 });
             }
@@ -46,7 +55,76 @@ pub(super) fn crosswalks(context: &mut Context, roads: &Roads, network: &LaneNet
             context.not_used(object.node, "crosswalk without an outline, or less than 1 m long or wide".to_owned());
         }
     }
+    let is_marked = |corners: &Crosswalk| found.iter().any(|marked| polygon::contains(marked, middle(corners)));
+    let unmarked: Vec<_> = cross_paths.into_iter().filter(|corners| !is_marked(corners)).collect();
+    found.extend(unmarked);
     found
+}
+
+/// The mean of the corners.
+fn middle(corners: &[Point]) -> Point {
+    (corners.iter().map(|corner| corner.coords).sum::<Vector>() / corners.len() as f64).into()
+}
+
+/// Reads the crosswalks that junctions have as roads for walking. The lanes of such a road are a crosswalk, and no sidewalk.
+///
+/// # Source
+/// ASAM OpenDRIVE 1.8, `junction/crossPath`, in all types of junctions: `startLaneLink` and `endLaneLink` name the lanes that it connects.
+pub(super) fn cross_paths(context: &mut Context, root: Node, roads: &mut Roads) -> Vec<Crosswalk> {
+    let (mut found, mut crossing) = (Vec::new(), Vec::new());
+    for node in children(root, "junction").flat_map(|junction| children(junction, "crossPath")) {
+        let id = node.attribute("crossingRoad").unwrap_or_default();
+        let Some(index) = roads.by_id.get(id) else {
+            let (element, id) = ("crossPath".to_owned(), id.to_owned());
+            context.warn(node, OpenDriveProblem::UnknownReference { element, id });
+            continue;
+        };
+        let road = &roads.roads[index.0 as usize];
+        let (line, middle) = (&road.plan_view, road.length / 2.0);
+        let mut beyond = |at, link, begin: Pose| beyond_sidewalk(context, roads, node, (at, link), begin).min(middle);
+        let end = line.pose(road.length);
+        let back = Pose::new(end.x, end.y, end.yaw + std::f64::consts::PI);
+        let from = beyond("roadAtStart", "startLaneLink", line.pose(0.0));
+        let to = road.length - beyond("roadAtEnd", "endLaneLink", back);
+        let walking = |lane: &&Lane| lane.kind == LaneKind::Sidewalk;
+        let edges = road.sections_at(middle).flat_map(|section| {
+            let lanes = road.sections[section].lanes.iter().filter(walking);
+            lanes.filter_map(move |lane| road.lane_edges(section, lane.id, middle)).flatten()
+        });
+        let (right, left) = edges.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
+        if right < left && from < to {
+            let corners = [(from, right), (to, right), (to, left), (from, left)];
+            let corners = corners.map(|(s, t)| line.pose(s).to_world(Vector::new(0.0, t))).to_vec();
+            found.push(Crosswalk { corners, ground: line.elevation().value(middle) });
+            crossing.push(*index);
+        } else {
+            context.not_used(node, "crossPath of a road without a lane of type walking".to_owned());
+        }
+    }
+    for road in crossing {
+        let lanes = roads.roads[road.0 as usize].sections.iter_mut().flat_map(|section| &mut section.lanes);
+        lanes.filter(|lane| lane.kind == LaneKind::Sidewalk).for_each(|lane| lane.kind = LaneKind::None);
+    }
+    found
+}
+
+/// How far a crossing road leads across the sidewalk at which it begins (m), seen from this pose.
+fn beyond_sidewalk(
+    context: &mut Context,
+    roads: &Roads,
+    node: Node,
+    (at, link): (&str, &'static str),
+    begin: Pose,
+) -> f64 {
+    let road = node.attribute(at).and_then(|id| roads.by_id.get(id)).map(|index| &roads.roads[index.0 as usize]);
+    let Some((road, link)) = road.zip(child(node, link)) else { return 0.0 };
+    let (Some(s), Some(id)) = (context.number(link, "s"), context.whole(link, "from")) else { return 0.0 };
+    let edges = road.sections_at(s).find_map(|section| {
+        let lane = road.sections[section].lane(id).filter(|lane| lane.kind == LaneKind::Sidewalk);
+        lane.and_then(|_| road.lane_edges(section, id, s))
+    });
+    let ahead = |t: f64| begin.to_local(road.plan_view.pose(s).to_world(Vector::new(0.0, t))).x;
+    edges.into_iter().flatten().map(ahead).fold(0.0, f64::max)
 }
 
 /// The places (s, t) of an object along its road and beside it (m).

@@ -50,11 +50,12 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     }
     let junctions = junctions::read(&mut context, root, &roads);
     roads.link(&mut context, &junctions.by_id);
+    let cross_paths = crosswalks::cross_paths(&mut context, root, &mut roads);
     let network = LaneNetwork::new(&roads.roads, &junctions.junctions);
     let signals = signals::signals(&mut context, &roads, &network);
     let (speed_signs, on_lanes) = signals::speed_signs(&mut context, &roads, &network, &signals);
     limits::follow_signs(&mut roads.roads, &network, on_lanes);
-    let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
+    let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network, cross_paths);
     let traffic_lights = traffic_lights::read(&mut context, root, &roads, &junctions, &network, &signals);
     let give_way_signs = give_way::read(&mut context, &roads, &network, &signals, &traffic_lights);
     let bus_stops = signals::bus_stops(&mut context, &roads, &signals);

@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::attributes::{Context, Counted};
+use super::attributes::{Context, Counted, children};
 use super::obstacles::is_obstacle;
 use super::{signals, traffic_lights};
 use crate::{GiveWay, LaneKind};
@@ -96,7 +96,10 @@ fn unused(node: Node, by_signs: bool) -> Option<String> {
         ("lateralProfile", "crossfall") if changes(&["a", "b", "c", "d"]) => fixed("crossfall"),
         ("lateralProfile", "shape") if changes(&["a", "b", "c", "d"]) => fixed("lateral shape"),
         ("surface", "CRG") => fixed("road surface (CRG)"),
-        ("OpenDRIVE", "junction") if node.attribute("type") == Some("virtual") => fixed("virtual junction"),
+        ("OpenDRIVE", "junction") if node.attribute("type") == Some("virtual") => {
+            let has = |name| children(node, name).next().is_some();
+            (has("connection") || !has("crossPath")).then(|| "virtual junction".to_owned())
+        }
         ("OpenDRIVE", "station") => fixed("station"),
         _ => None,
     }

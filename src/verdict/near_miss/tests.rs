@@ -11,11 +11,16 @@ fn straight(car: (Pose, f64), walker: (Point, Vector), ticks: u32) -> Vec<Frame>
     let frame = |tick: u32| {
         let time = f64::from(tick) * TICK;
         let (place, yaw) = (car.0.position() + car.0.forward() * (car.1 * time), car.0.yaw);
-        let ego = VehicleState { pose: Pose::new(place.x, place.y, yaw), speed: car.1, age: time };
+        let ego =
+            VehicleState { pose: Pose::new(place.x, place.y, yaw), speed: car.1, age: time, ..VehicleState::default() };
         let at = walker.0 + walker.1 * time;
         Frame {
             ego,
-            pedestrian: PedestrianState { pose: Pose::new(at.x, at.y, 0.0), velocity: walker.1 },
+            pedestrian: PedestrianState {
+                pose: Pose::new(at.x, at.y, 0.0),
+                velocity: walker.1,
+                ..PedestrianState::default()
+            },
             control: Default::default(),
             mode: Default::default(),
         }

@@ -58,7 +58,8 @@ fn to_yield_at(perception: &Perception<'_>, path: &Path) -> Option<f64> {
     let (ego, here) = (&perception.ego, perception.ego.pose.position());
     let mut first: Option<f64> = None;
     for corners in &perception.town.crosswalks {
-        if corners.first().is_none_or(|corner| (corner - here).norm() > FAR) {
+        let is_far = corners.first().is_none_or(|corner| (corner - here).norm() > FAR);
+        if is_far || !perception.town.is_on_level(perception.place(), corners.place()) {
             continue;
         }
         let near = |actor: &&Actor| polygon::distance(corners, actor.pose.position()) <= NEAR;

@@ -1,6 +1,6 @@
 use crate::sim::{ActorId, Control, LightColour, Vehicle, VehicleBlueprint, World};
 use road::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use road::{LaneFilter, Town, Waypoint};
+use road::{LaneFilter, Place, Town, Waypoint};
 
 /// From the bumper back to the driver's eye, which is on the axis (m).
 pub const EYE: f64 = 1.9;
@@ -69,6 +69,8 @@ pub struct Perception<'a> {
     /// Length of a tick (s).
     pub dt: f64,
     pub ego: Actor,
+    /// Height of the ground under the ego (m) in a town with roads above each other. Nothing on another level is perceived.
+    pub ground: f64,
     /// The speed limit where the ego is (m/s): that of its lane, or where the map gives the lane none, that of the last sign, or 30 km/h before the
     /// first sign. [`Perception::limit_at`] gives those ahead.
     pub speed_limit: f64,
@@ -95,7 +97,12 @@ impl Perception<'_> {
     /// The place at which a route of the ego starts: that of the given route, or the nearest place on a driving lane.
     pub fn start_lane(&self) -> Option<Waypoint> {
         let given = self.route.first().copied();
-        given.or_else(|| self.town.nearest_lane(self.ego.pose.position(), LaneFilter::Driving))
+        given.or_else(|| self.town.nearest_lane(self.place(), LaneFilter::Driving))
+    }
+
+    /// The place of the ego, on its level.
+    pub fn place(&self) -> Place {
+        Place::on(self.ego.pose.position(), self.ground)
     }
 
     /// The speed limit on a lane where the ego is or will be (m/s). Signs that it has not passed yet do not count.
@@ -138,10 +145,12 @@ impl Perception<'_> {
 /// The memory that perceptions borrow from, so that a tick allocates nothing.
 #[derive(Debug, Clone, Default)]
 pub struct PerfectSensors {
+    /// All actors and lights of the world, and those that a driver perceives, which are all without levels.
+    all_pedestrians: Vec<Actor>,
     pedestrians: Vec<Actor>,
-    /// All vehicles of the world, and those that a driver perceives.
     all: Vec<Actor>,
     vehicles: Vec<Actor>,
+    all_lights: Vec<Light>,
     lights: Vec<Light>,
 }
 
@@ -154,9 +163,9 @@ impl PerfectSensors {
 
     /// Looks at a world, for the drivers of all its vehicles.
     pub fn look(&mut self, world: &World) {
-        self.pedestrians.clear();
+        self.all_pedestrians.clear();
         let present = (0..).zip(&world.pedestrians).filter(|(_, pedestrian)| pedestrian.is_present);
-        self.pedestrians.extend(present.map(|(number, pedestrian)| Actor {
+        self.all_pedestrians.extend(present.map(|(number, pedestrian)| Actor {
             id: ActorId::Pedestrian(number),
             pose: pedestrian.state.pose,
             velocity: pedestrian.state.velocity,
@@ -165,10 +174,10 @@ impl PerfectSensors {
         }));
         self.all.clear();
         self.all.extend((0..).zip(&world.vehicles).map(|(number, vehicle)| Actor::of_vehicle(number, vehicle)));
-        self.lights.clear();
+        self.all_lights.clear();
         if let Some(clock) = world.light_clock() {
             let lamps = world.town.traffic_lights.iter();
-            self.lights.extend(lamps.map(|lamp| Light { trigger: lamp.stop, colour: clock.colour(lamp) }));
+            self.all_lights.extend(lamps.map(|lamp| Light { trigger: lamp.stop, colour: clock.colour(lamp) }));
         }
     }
 
@@ -177,20 +186,34 @@ impl PerfectSensors {
         self.vehicles.clone_from(&self.all);
         let is_seen = |number: usize| number != vehicle && world.vehicles[number].is_present;
         self.vehicles.retain(|actor| is_seen(actor.id.number()));
+        let place = world.vehicles[vehicle].state.place();
+        let mut affecting = world.affecting_light(vehicle);
+        let has_levels = world.town.has_levels();
+        if has_levels {
+            self.pedestrians.clone_from(&self.all_pedestrians);
+            self.lights.clone_from(&self.all_lights);
+            let here = |other: Place| world.town.is_on_level(place, other);
+            self.vehicles.retain(|actor| here(world.vehicles[actor.id.number()].state.place()));
+            self.pedestrians.retain(|actor| here(world.pedestrians[actor.id.number()].state.place()));
+            self.lights.retain(|light| here(world.town.place_of_car(&light.trigger)));
+            let trigger = affecting.map(|place| self.all_lights[place].trigger);
+            affecting = self.lights.iter().position(|light| Some(light.trigger) == trigger);
+        }
         Perception {
             town: &world.town,
             blueprint: &world.vehicles[vehicle].blueprint,
             tick: world.run_up + world.ticks,
             dt: world.dt,
             ego: self.all[vehicle],
+            ground: place.ground.unwrap_or_default(),
             speed_limit: world.speed_limit(vehicle),
             signed_limit: Some(world.vehicles[vehicle].speed_limit),
             route: &[],
-            pedestrians: &self.pedestrians,
+            pedestrians: if has_levels { &self.pedestrians } else { &self.all_pedestrians },
             vehicles: &self.vehicles,
             obstacles: &world.obstacles,
-            lights: &self.lights,
-            affecting_light: world.affecting_light(vehicle),
+            lights: if has_levels { &self.lights } else { &self.all_lights },
+            affecting_light: affecting,
         }
     }
 }

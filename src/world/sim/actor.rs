@@ -80,12 +80,20 @@ impl Vehicle {
         let outline = self.outline();
         town.traffic_lights.iter().position(|light| {
             let offset = light.trigger.pose.position() - self.state.pose.position();
-            offset.norm_squared() < reach * reach && light.trigger.overlaps(&outline)
+            offset.norm_squared() < reach * reach
+                && light.trigger.overlaps(&outline)
+                && self.is_under(&light.trigger, town)
         })
+    }
+
+    /// Whether a trigger box is on its level.
+    fn is_under(&self, trigger: &OrientedBox, town: &Town) -> bool {
+        town.is_on_level(self.state.place(), town.place_of_car(&trigger.pose))
     }
 
     /// Places the vehicle at the start of an episode.
     pub(super) fn begin(&mut self, state: VehicleState, town: &Town) {
+        let state = VehicleState { ground: town.place_of_car(&state.pose).ground.unwrap_or_default(), ..state };
         (self.state, self.before) = (state, state);
         self.speed_limit = FIRST_LIMIT;
         self.obey_signs(town);
@@ -104,6 +112,9 @@ impl Vehicle {
     #[inline]
     pub(super) fn follow(&mut self, state: VehicleState, town: &Town) {
         (self.before, self.state) = (self.state, state);
+        if town.has_levels() {
+            self.state.ground = town.ground(state.pose.position(), self.before.ground);
+        }
         self.obey_signs(town);
     }
 
@@ -112,7 +123,10 @@ impl Vehicle {
         let reach = self.blueprint.half_length + 4.0;
         for sign in &town.speed_signs {
             let offset = sign.trigger.pose.position() - self.state.pose.position();
-            if offset.norm_squared() < reach * reach && sign.trigger.overlaps(&self.outline()) {
+            if offset.norm_squared() < reach * reach
+                && sign.trigger.overlaps(&self.outline())
+                && self.is_under(&sign.trigger, town)
+            {
                 self.speed_limit = sign.limit;
             }
         }
@@ -146,11 +160,14 @@ impl Pedestrian {
 
     /// Simulates one tick.
     #[inline]
-    pub(super) fn step(&mut self, command: WalkCommand, obstacles: &Obstacles, dt: f64) {
+    pub(super) fn step(&mut self, command: WalkCommand, obstacles: &Obstacles, town: &Town, dt: f64) {
         self.before = self.state;
         if !self.is_present {
             return;
         }
         self.state = self.before.step(command, &self.body, obstacles, dt);
+        if town.has_levels() {
+            self.state.ground = town.ground(self.state.pose.position(), self.before.ground);
+        }
     }
 }

@@ -1,4 +1,5 @@
 use super::{ActorId, Pedestrian, PedestrianBody, PedestrianState, Vehicle, VehicleBlueprint, VehicleState};
+use road::LEVEL;
 use road::geometry::{OrientedBox, Touch, first_touch, first_touch_of_boxes};
 
 /// The first touch of a vehicle with a pedestrian or with another vehicle.
@@ -43,7 +44,7 @@ impl Contact {
         let reach = blueprint.half_length + blueprint.half_width + body.reach() + 2.0;
         let moved = (vehicle.before.speed + pedestrian.before.speed() + pedestrian.state.speed()) * dt;
         let apart = (pedestrian.state.pose.position() - vehicle.state.pose.position()).norm_squared();
-        apart <= (reach + moved) * (reach + moved)
+        apart <= (reach + moved) * (reach + moved) && (pedestrian.state.ground - vehicle.state.ground).abs() < LEVEL
     }
 
     /// Finds the first touch of a vehicle and a pedestrian in the last tick.
@@ -74,7 +75,7 @@ impl Contact {
         let radius = |vehicle: &Vehicle| vehicle.blueprint.half_length + vehicle.blueprint.half_width;
         let reach = radius(first) + radius(second) + (first.before.speed + second.before.speed) * dt;
         let apart = (second.state.pose.position() - first.state.pose.position()).norm_squared();
-        apart <= reach * reach
+        apart <= reach * reach && (second.state.ground - first.state.ground).abs() < LEVEL
     }
 
     /// Finds the first touch of two vehicles in the last tick.

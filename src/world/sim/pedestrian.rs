@@ -1,3 +1,4 @@
+use road::Place;
 use road::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
 
 /// A pedestrian that is slower (m/s) has no direction of motion.
@@ -110,17 +111,24 @@ pub struct PedestrianState {
     pub pose: Pose,
     /// Velocity (m/s).
     pub velocity: Vector,
+    /// Height of the ground under it (m) in a town with roads above each other, else 0.
+    pub ground: f64,
 }
 
 impl PedestrianState {
     /// Stands at a pose.
     pub fn standing(pose: Pose) -> Self {
-        Self { pose, velocity: Vector::zeros() }
+        Self { pose, ..Self::default() }
     }
 
     /// Moves at a speed (m/s) in the direction that it faces.
     pub fn moving(pose: Pose, speed: f64) -> Self {
-        Self { pose, velocity: Vector::new(libm::cos(pose.yaw), libm::sin(pose.yaw)) * speed }
+        Self { velocity: Vector::new(libm::cos(pose.yaw), libm::sin(pose.yaw)) * speed, ..Self::standing(pose) }
+    }
+
+    /// Its place, on its level.
+    pub fn place(&self) -> Place {
+        Place::on(self.pose.position(), self.ground)
     }
 
     /// Speed (m/s).
@@ -147,7 +155,7 @@ impl PedestrianState {
         let straight = from + velocity * dt;
         let velocity = if (place - straight).norm_squared() > 1e-12 { (place - from) / dt } else { velocity };
         let yaw = if velocity.norm_squared() > 1e-6 { libm::atan2(velocity.y, velocity.x) } else { command.heading };
-        Self { pose: Pose::new(place.x, place.y, yaw), velocity }
+        Self { pose: Pose::new(place.x, place.y, yaw), velocity, ..*self }
     }
 }
 

@@ -17,7 +17,7 @@ impl ActorStart {
 
     /// A vehicle that starts here.
     pub(super) fn vehicle(&self) -> VehicleState {
-        VehicleState { pose: self.pose, speed: self.speed, age: 0.0 }
+        VehicleState { pose: self.pose, speed: self.speed, ..VehicleState::default() }
     }
 
     /// A pedestrian that starts here.

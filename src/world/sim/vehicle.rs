@@ -1,6 +1,7 @@
 use std::f64::consts::PI;
 
 use super::VehicleBlueprint;
+use road::Place;
 use road::geometry::{OrientedBox, Pose, wrap_angle};
 
 /// Positions of the pedals and the steering wheel.
@@ -28,9 +29,16 @@ pub struct VehicleState {
     pub speed: f64,
     /// Time since it was placed (s); a new vehicle stands until it is in gear.
     pub age: f64,
+    /// Height of the ground under it (m) in a town with roads above each other, else 0.
+    pub ground: f64,
 }
 
 impl VehicleState {
+    /// Its place, on its level.
+    pub fn place(&self) -> Place {
+        Place::on(self.pose.position(), self.ground)
+    }
+
     pub fn outline(&self, blueprint: &VehicleBlueprint) -> OrientedBox {
         OrientedBox::new(self.pose, blueprint.half_length, blueprint.half_width)
     }
@@ -65,6 +73,6 @@ impl VehicleState {
         let speed = (self.speed + acceleration.clamp(-grip, grip) * dt).max(0.0);
         // A car that has moved is in gear.
         let age = if self.speed > 0.0 { self.age.max(blueprint.start_up_pause) } else { self.age };
-        Self { pose, speed, age: age + dt }
+        Self { pose, speed, age: age + dt, ground: self.ground }
     }
 }

@@ -74,12 +74,27 @@ impl World {
         for (pedestrian, start) in self.pedestrians.iter_mut().zip(start.pedestrians) {
             pedestrian.begin(start.pedestrian());
         }
+        self.put_on_ground();
         if self.vehicles.iter().any(|vehicle| vehicle.is_parked) {
             let parked = self.vehicles.iter().filter(|vehicle| vehicle.is_parked && vehicle.is_present);
             Arc::make_mut(&mut self.obstacles).park(parked.map(Vehicle::outline));
         }
         (self.ticks, self.run_up) = (0, 0);
         self.light_phase = start.light_phase;
+    }
+
+    /// Puts the pedestrians, who have just been placed, on the ground, on the level of the ego where roads lie above each other.
+    pub fn put_on_ground(&mut self) {
+        let (town, ego) = (&self.town, self.vehicles[0].state.place());
+        for pedestrian in self.pedestrians.iter_mut().filter(|_| town.has_levels()) {
+            pedestrian.state.ground = town.ground_beside(ego, pedestrian.state.pose.position());
+            pedestrian.before = pedestrian.state;
+        }
+    }
+
+    /// Whether a vehicle and a pedestrian are on one level. Otherwise they neither meet nor see each other.
+    pub fn is_on_level(&self, vehicle: usize, pedestrian: usize) -> bool {
+        self.town.is_on_level(self.vehicles[vehicle].state.place(), self.pedestrians[pedestrian].state.place())
     }
 
     /// Lets a vehicle appear at a start, in an episode that runs.
@@ -96,7 +111,7 @@ impl World {
     /// The speed limit of a vehicle (m/s): that of its lane where the map has limits, else that of the last sign, or 30 km/h.
     pub fn speed_limit(&self, vehicle: usize) -> f64 {
         let (town, vehicle) = (&self.town, &self.vehicles[vehicle]);
-        let place = vehicle.state.pose.position();
+        let place = vehicle.state.place();
         let lane = town.has_limits().then(|| town.nearest_lane(place, LaneFilter::Driving)).flatten();
         lane.and_then(|lane| town.limit(lane)).unwrap_or(vehicle.speed_limit)
     }
@@ -118,8 +133,11 @@ impl World {
         self.vehicles[vehicle].affecting_light(&self.town)
     }
 
-    /// Distance from a pedestrian to a vehicle's box (m); 0 when they touch, and infinite if one of them is not in the world.
+    /// Distance from a pedestrian to a vehicle's box (m); 0 when they touch, and infinite if one of them is not in the world, or on another level.
     pub fn gap(&self, vehicle: usize, pedestrian: usize) -> f64 {
+        if !self.is_on_level(vehicle, pedestrian) {
+            return f64::INFINITY;
+        }
         let (vehicle, pedestrian) = (&self.vehicles[vehicle], &self.pedestrians[pedestrian]);
         if !vehicle.is_present || !pedestrian.is_present {
             return f64::INFINITY;
@@ -153,7 +171,7 @@ impl World {
     pub fn walk(&mut self, commands: &[WalkCommand]) {
         assert_eq!(commands.len(), self.pedestrians.len(), "each pedestrian has a command");
         for (pedestrian, command) in self.pedestrians.iter_mut().zip(commands) {
-            pedestrian.step(*command, &self.obstacles, self.dt);
+            pedestrian.step(*command, &self.obstacles, &self.town, self.dt);
         }
     }
 

@@ -3,7 +3,7 @@
 use super::{BEND, eastbound, town};
 use road::geometry::Point;
 use road::opendrive::{Addition, insert, read};
-use road::{LaneKind, TownParts};
+use road::{Crosswalk, LaneKind, TownParts};
 
 /// A lane of each direction, 3.5 m wide.
 const LANES: &str = r#"<left><lane id="1" type="driving"><width a="3.5"/></lane></left><right><lane id="-1" type="driving"><width a="3.5"/></lane></right>"#;
@@ -175,7 +175,7 @@ fn a_crosswalk_without_an_outline_is_a_box() {
         let objects = format!(r#"<objects><object id="1" type="crosswalk" s="150" {object}/></objects>"#);
         parts(&map(&road(r#"id="1" length="300""#, LANES, &objects))).crosswalks
     };
-    let near = |found: &[Vec<Point>], wanted: [(f64, f64); 4]| {
+    let near = |found: &[Crosswalk], wanted: [(f64, f64); 4]| {
         assert_eq!(found.len(), 1);
         for (corner, (x, y)) in found[0].iter().zip(wanted) {
             assert!((corner - Point::new(x, y)).norm() < 1e-6, "{found:?}");
@@ -187,6 +187,63 @@ fn a_crosswalk_without_an_outline_is_a_box() {
     let sizeless = r#"<objects><object id="1" type="crosswalk" s="9" t="0"/></objects>"#;
     let said = warnings(&map(&road(r#"id="1" length="300""#, LANES, sizeless)));
     assert_eq!(said, ["not used: 1 × crosswalk without an outline, or less than 1 m long or wide"]);
+}
+
+/// A junction of this type in which a road of 11 m with a lane for walking crosses that of the town; `parts` are in its road.
+fn crossed(kind: &str, crossing: &str, parts: &str) -> String {
+    let lanes = r#"<left><lane id="1" type="driving"><width a="3.5"/></lane><lane id="2" type="sidewalk"><width a="2"/></lane></left><right><lane id="-1" type="driving"><width a="3.5"/></lane><lane id="-2" type="walking"><width a="2"/></lane></right>"#;
+    let path = format!(
+        r#"<road id="7" length="11" junction="9"><planView><geometry s="0" x="110" y="-5.5" hdg="1.5707963267948966" length="11"><line/></geometry></planView><lanes><laneSection s="0"><right><lane id="-1" type="{crossing}"><width a="4"/></lane></right></laneSection></lanes></road>"#
+    );
+    let junction = format!(
+        r#"<junction id="9" {kind}><crossPath id="1" crossingRoad="7" roadAtStart="1" roadAtEnd="1"><startLaneLink s="110" from="-2" to="-1"/><endLaneLink s="110" from="2" to="-1"/></crossPath></junction>"#
+    );
+    map(&format!("{}{path}{junction}", road(r#"id="1" length="300""#, lanes, parts)))
+}
+
+#[test]
+fn a_crossing_road_is_a_crosswalk_between_the_sidewalks() {
+    for kind in ["", r#"type="default""#, r#"type="virtual" mainRoad="1" sStart="105" sEnd="120""#] {
+        let found = parts(&crossed(kind, "walking", ""));
+        assert_eq!(found.warnings, [], "{kind}");
+        let [walk] = &found.crosswalks[..] else { panic!("{:?}", found.crosswalks) };
+        let (low, high) = walk.iter().fold((walk[0], walk[0]), |(low, high), at| (low.inf(at), high.sup(at)));
+        assert!((low - Point::new(110.0, -3.5)).norm() < 1e-6 && (high - Point::new(114.0, 3.5)).norm() < 1e-6);
+        // Its lane is no sidewalk.
+        assert_eq!(found.roads[1].sections[0].lanes[0].kind, LaneKind::None);
+    }
+    // An object that marks the same crosswalk does not make a second one.
+    let marked = r#"<objects><object id="1" type="crosswalk" s="112" t="0" length="4" width="7" hdg="0"/></objects>"#;
+    assert_eq!(parts(&crossed("", "walking", marked)).crosswalks.len(), 1);
+    let said = warnings(&crossed("", "biking", ""));
+    assert_eq!(said, ["not used: 1 × crossPath of a road without a lane of type walking"]);
+}
+
+#[test]
+fn of_two_lane_sections_at_one_place_the_first_holds_nowhere() {
+    let section = |s: u32, lanes: &str| format!(r#"<laneSection s="{s}">{lanes}</laneSection>"#);
+    let read = |sections: &str| {
+        let whole = map(&road(r#"id="1" length="300""#, LANES, ""));
+        parts(&whole.replace(&section(0, LANES), sections))
+    };
+    let (left, right) = LANES.split_once("<right>").unwrap();
+    let (left, right) = (section(0, left), section(0, &format!("<right>{right}")));
+    let lanes = |sections: &str| {
+        let found = read(sections);
+        let all = found.roads[0]
+            .sections
+            .iter()
+            .flat_map(|each| each.lanes.iter().map(move |lane| (lane.id, each.end - each.start)));
+        (all.collect::<Vec<_>>(), found.warnings.len())
+    };
+    let both = (vec![(1, 300.0), (-1, 300.0)], 0);
+    assert_eq!(lanes(&section(0, LANES)), both);
+    // The sides of a road may have sections of their own.
+    assert_eq!(lanes(&format!("{left}{right}")), both);
+    assert_eq!(lanes(&section(0, LANES).repeat(2)), (both.0.clone(), 1));
+    assert_eq!(lanes(&format!("{}{right}", section(0, LANES))), (both.0, 1));
+    let said = read(&section(0, LANES).repeat(2)).warnings[0].problem.to_string();
+    assert_eq!(said, "two lane sections begin at 0 m; the first one has no length, and the second one counts");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::Situation;
 use base::choice;
 use base::signature::Formula;
 use road::geometry::{Obstacles, Point, Pose};
-use road::{LaneFilter, LaneKind, Town};
+use road::{LEVEL, LaneFilter, LaneKind, Place, Town, Waypoint};
 
 use super::Spawn;
 
@@ -24,11 +24,12 @@ choice! {
 
 impl Ground {
     /// The ground at a place.
-    pub fn at(town: &Town, place: Point) -> Self {
+    pub fn at(town: &Town, place: Place) -> Self {
         let kinds = [(LaneFilter::Driving, Self::Driving), (LaneFilter::Sidewalk, Self::Sidewalk)];
         let within = |filter| {
-            let lane = town.nearest_lane(place, filter)?;
-            let aside = town.pose(lane).to_local(place);
+            let is_here = |lane: &Waypoint| place.ground.is_none_or(|own| (town.elevation(*lane) - own).abs() < LEVEL);
+            let lane = town.nearest_lane(place, filter).filter(is_here)?;
+            let aside = town.pose(lane).to_local(place.point);
             (aside.norm() <= town.lane_width(lane) / 2.0).then(|| town.lane_kind(lane))
         };
         for (filter, ground) in kinds {
@@ -67,7 +68,7 @@ impl Constraint {
         let place = spawn.pedestrian.position();
         match self {
             Self::Clearance(least) => obstacles.clearance(place, *least) >= *least,
-            Self::Ground(grounds) => grounds.contains(&Ground::at(town, place)),
+            Self::Ground(grounds) => grounds.contains(&Ground::at(town, stand(spawn, town))),
             Self::Sight(seen) => obstacles.blocks_sight(spawn.ego.position(), place) != *seen,
             Self::Require { condition, .. } => {
                 Situation::at_start(&spawn.ego, spawn.ego_speed, &spawn.pedestrian).satisfies(condition)
@@ -95,6 +96,20 @@ impl fmt::Display for Constraint {
             Self::Require { text, .. } => write!(f, "require: {text}"),
         }
     }
+}
+
+/// Where the pedestrian of a start stands: where lanes lie above each other, on the level of the ego.
+fn stand(spawn: &Spawn, town: &Town) -> Place {
+    let place = spawn.pedestrian.position();
+    if !town.has_levels() {
+        return place.into();
+    }
+    Place::on(place, town.ground_beside(town.place_of_car(&spawn.ego), place))
+}
+
+/// Whether ego and pedestrian start on one level. Always so in a town without levels.
+pub(super) fn is_on_level(spawn: &Spawn, town: &Town) -> bool {
+    !town.has_levels() || town.is_on_level(town.place_of_car(&spawn.ego), stand(spawn, town))
 }
 
 /// A pedestrian at a place, with the ego at the origin: for constraints on the place alone.

@@ -118,7 +118,7 @@ impl RoadShape {
 
 /// The driving lane whose middle is nearest.
 fn lane_of(town: &Town, pose: &Pose) -> Option<Waypoint> {
-    town.nearest_lane(pose.position(), LaneFilter::Driving)
+    town.lane_under(pose)
 }
 
 /// The length of the lane section ahead of a waypoint (m).

@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use rand::RngExt;
 
+use super::constraint::is_on_level;
 use super::{Spawn, SpawnRule};
 use crate::{Cast, Scenario};
 use base::seed::{Seed, Stream};
@@ -87,6 +88,7 @@ pub struct Unplaced {
 /// What a place may fail.
 const APART: &str = "no other actor there";
 const CLEAR: &str = "no obstacle there";
+const ON_LEVEL: &str = "on the level of the car";
 const ON_LANE: &str = "a lane in the same direction";
 
 impl Placing {
@@ -217,12 +219,17 @@ impl Placing {
                 }
             }
         };
-        self.check(cast, actor, &pose, placed)?;
+        self.check(scenario, actor, &pose, placed)?;
         Ok(ActorStart::standing(pose))
     }
 
     /// Whether an actor has room at a pose.
-    fn check(&self, cast: &Cast, actor: ActorId, pose: &Pose, placed: usize) -> Result<(), String> {
+    fn check(&self, scenario: &Scenario, actor: ActorId, pose: &Pose, placed: usize) -> Result<(), String> {
+        let cast = &scenario.cast;
+        let start = Spawn { ego: self.vehicles[0].pose, ego_speed: 0.0, pedestrian: *pose };
+        if matches!(actor, ActorId::Pedestrian(_)) && !is_on_level(&start, &scenario.town) {
+            return Err(ON_LEVEL.into());
+        }
         let own = outline(cast, actor, pose);
         let is_placed = |other: &ActorId| {
             let place = self.order.iter().position(|each| each == other);
@@ -349,7 +356,7 @@ fn facing(place: Point, yaw: f64) -> Pose {
 /// The middle of the lane at this distance (m) ahead of a pose; `None` if no lane in the same direction is there.
 fn lane_at(town: &Town, from: &Pose, ahead: f64) -> Option<Pose> {
     let place = from.to_world(Vector::new(ahead, 0.0));
-    let lane = town.pose(town.nearest_lane(place, LaneFilter::Driving)?);
+    let lane = town.pose(town.nearest_lane(town.place_from(town.place_of_car(from), place), LaneFilter::Driving)?);
     (wrap_angle(lane.yaw - from.yaw).abs() < SAME_WAY).then_some(lane)
 }
 

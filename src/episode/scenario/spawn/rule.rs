@@ -1,5 +1,6 @@
 use rand::RngExt;
 
+use super::constraint::is_on_level;
 use super::constraint::placed;
 use super::{Constraint, EgoSpeed, EgoStart, GivenPath, Rarity, RoadShape, SpawnError, Survey, TargetWalk};
 use crate::FirstHeading;
@@ -7,7 +8,7 @@ use base::choice;
 use base::seed::Stream;
 use base::signature::Distribution;
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
-use road::{LaneFilter, RoadOption, Town, lane_route};
+use road::{RoadOption, Town, lane_route};
 use world::sim::WalkCommand;
 
 choice! {
@@ -132,7 +133,7 @@ impl SpawnRule {
     fn check_route(&self, town: &Town) -> Result<(), SpawnError> {
         let EgoStart::Poses(poses) = &self.ego_start else { return Ok(()) };
         for pose in poses.iter().filter(|_| !self.ego_route.is_empty()) {
-            let lane = town.nearest_lane(pose.position(), LaneFilter::Driving).ok_or(SpawnError::NoLane)?;
+            let lane = town.lane_under(pose).ok_or(SpawnError::NoLane)?;
             lane_route(town, lane, &self.ego_route).map_err(|missing| SpawnError::NoTurn {
                 number: missing.index + 1,
                 x: pose.x,
@@ -221,7 +222,8 @@ impl SpawnRule {
                 let place = self.place(&ego, stream);
                 let stands = Spawn { ego, ..placed(place) };
                 let (places, rest) = (|c: &&Constraint| c.is_about_places(), |c: &&Constraint| !c.is_about_places());
-                if !self.constraints.iter().filter(places).all(|each| each.admits(&stands, town, obstacles)) {
+                let admitted = self.constraints.iter().filter(places).all(|each| each.admits(&stands, town, obstacles));
+                if !admitted || !is_on_level(&stands, town) {
                     return None;
                 }
                 let spawn = self.complete(&ego, place, first, stream);
@@ -233,7 +235,7 @@ impl SpawnRule {
 
     /// Whether the lane at a pose of the ego has room for the car.
     pub(super) fn has_room(&self, town: &Town, ego: &Pose) -> bool {
-        let lane = || town.nearest_lane(ego.position(), LaneFilter::Driving);
+        let lane = || town.lane_under(ego);
         self.lane_width <= 0.0
             || matches!(self.ego_start, EgoStart::Poses(_))
             || lane().is_some_and(|lane| town.lane_width(lane) >= self.lane_width)

@@ -1,3 +1,4 @@
+use super::constraint::is_on_level;
 use super::{Spawn, SpawnRule};
 use crate::FirstHeading;
 use base::seed::Stream;
@@ -57,7 +58,7 @@ impl SpawnRule {
         names.extend(self.constraints.iter().map(ToString::to_string));
         let mut passed = vec![0; names.len()];
         let mut spawns = Vec::new();
-        let (mut tried, mut with_room) = (0, 0);
+        let (mut tried, mut with_room, mut above) = (0, 0, 0);
         while tried < count && (spawns.len() as u32) < enough {
             tried += 1;
             let ego = ego(stream);
@@ -71,12 +72,15 @@ impl SpawnRule {
                 *count += u32::from(admitted);
                 all &= admitted;
             }
-            if all {
+            if all && !is_on_level(&spawn, town) {
+                above += 1;
+            } else if all {
                 spawns.push(spawn);
             }
         }
         let narrow = (with_room < tried).then(|| ("lane as wide as the car".to_owned(), with_room));
-        let constraints = narrow.into_iter().chain(names.into_iter().zip(passed)).collect();
+        let apart = (above > 0).then(|| ("pedestrian on the level of the car".to_owned(), spawns.len() as u32));
+        let constraints = narrow.into_iter().chain(apart).chain(names.into_iter().zip(passed)).collect();
         Survey { tried, accepted: spawns.len() as u32, constraints, spawns }
     }
 }

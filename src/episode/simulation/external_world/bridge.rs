@@ -109,7 +109,12 @@ impl Bridge {
         let lane = here.town.nearest_lane(place.position(), LaneFilter::Driving);
         let pose = lane.map_or(place, |lane| here.town.pose(lane));
         trial.ticks = 0;
-        trial.vehicles[0].state = VehicleState { pose, speed: TRIED_FROM, age: here.ego().blueprint.start_up_pause };
+        trial.vehicles[0].state = VehicleState {
+            pose,
+            speed: TRIED_FROM,
+            age: here.ego().blueprint.start_up_pause,
+            ..VehicleState::default()
+        };
         for (number, pedestrian) in trial.pedestrians.iter_mut().enumerate() {
             let aside = pose.to_world(Vector::new(-2.0 * number as f64, AWAY));
             pedestrian.state = PedestrianState::standing(Pose { x: aside.x, y: aside.y, yaw: 0.0 });
@@ -217,7 +222,8 @@ impl Bridge {
         self.check(&moved, step.tick, here)?;
         let Car { x, y, yaw, speed } = moved.ego;
         let speed = if speed.abs() < STANDING { 0.0 } else { speed };
-        let moved = VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age };
+        let moved =
+            VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age, ..VehicleState::default() };
         let control = self.is_ours.then_some(control);
         self.odometer.add([state, &next, &moved], (car, control), (here.dt, self.tolerance(), self.pedal_delay()))?;
         Ok(moved)
@@ -305,7 +311,7 @@ fn route(town: &Town, from: &Pose, lanes: &[Waypoint], seed: u64) -> Vec<[f64; 3
     let mut walk = RandomWalk::new(ForkRule::AnyBranch);
     walk.take(lanes);
     let mut stream = Seed::root(seed).child("route").stream();
-    let start = lanes.first().copied().or_else(|| town.nearest_lane(from.position(), LaneFilter::Driving));
+    let start = lanes.first().copied().or_else(|| town.lane_under(from));
     let start = start.map(|lane| RoutePoint::new(town, lane, RoadOption::LaneFollow));
     let points = std::iter::successors(start, |last| walk.next(town, last, 1.0, &mut stream));
     points.take(ROUTE).map(|point| [point.pose.x, point.pose.y, point.pose.yaw]).collect()

@@ -86,7 +86,7 @@ impl LocalSimulation {
         let (scene, tally) = (self.scene(), &self.observers.tally);
         let hit = matches!(ending, Ending::Touch { .. });
         let struck = scene.hit().and_then(Contact::pedestrian_at_ego);
-        let place = |number: usize| self.world.pedestrians[number].state.pose.position();
+        let place = |number: usize| self.world.pedestrians[number].state.place();
         let on_crosswalk = struck.is_some_and(|number| self.world.town.is_on_crosswalk(place(number)));
         self.episode.outcome = Some(Outcome {
             spawn: self.episode.spawn,

@@ -110,6 +110,7 @@ impl LocalSimulation {
         for (pedestrian, role) in world.pedestrians.iter_mut().zip(&scenario.cast.pedestrians) {
             pedestrian.is_present = !role.is_absent;
         }
+        world.put_on_ground();
         for (number, role) in scenario.cast.vehicles.iter().enumerate().filter(|(_, role)| !role.is_absent) {
             let Placement::Behind { .. } = role.place else { continue };
             let ego = world.ego();

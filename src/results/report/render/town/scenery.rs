@@ -39,7 +39,7 @@ impl Scenery {
         for surface in [Surface::Walk, Surface::Lane] {
             polygons.extend(lanes(town, surface).map(|lane| (surface, outline(town, lane, step))));
         }
-        polygons.extend(town.crosswalks.iter().map(|corners| (Surface::Zebra, corners.clone())));
+        polygons.extend(town.crosswalks.iter().map(|corners| (Surface::Zebra, corners.to_vec())));
         polygons.extend(town.obstacles.iter().map(|each| (Surface::House, each.corners().to_vec())));
         Self { polygons }
     }
