@@ -41,7 +41,10 @@ impl Exporter for Carla {
         }
         let release = match variant.walking {
             Walking::Recorded => None,
-            Walking::Released => Some(episode.release(NAME, |motion| [motion.pose.x, motion.pose.y])?),
+            Walking::Released => {
+                let (tick, [x, y, _]) = episode.release(NAME, |at| [at.pose.x, at.pose.y, at.ground])?;
+                Some((tick, libm::hypot(x, y)))
+            }
         };
         let map = opendrive::map_file(&episode.scenario.town)?;
         let actors = episode.actors();

@@ -1,9 +1,9 @@
 use super::ExportError;
 use episode::{Outcome, Scenario, Trace};
-use road::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
-use road::{LaneFilter, Town, TrafficLight};
+use road::geometry::{OrientedBox, Pose, Vector, wrap_angle};
+use road::{LaneFilter, Place, Town, TrafficLight};
 use verdict::Verdict;
-use world::sim::{ActorId, LightColour, PedestrianBody, VehicleBlueprint};
+use world::sim::{ActorId, LightColour, PedestrianBody, VehicleBlueprint, VehicleState};
 
 /// The height of a car (m); the world is flat, so its cars have none.
 ///
@@ -54,8 +54,10 @@ pub(super) struct Motion {
     pub heading: f64,
     /// Velocity (m/s).
     pub velocity: Vector,
-    /// Height of the ground (m).
+    /// Height of the ground (m): of a car the mean of those under its axles.
     pub ground: f64,
+    /// Rotation about the axis to the left (rad): positive where the nose of a car is lower than its rear.
+    pub pitch: f64,
 }
 
 /// An actor with its track.
@@ -85,15 +87,15 @@ impl<'a> Episode<'a> {
         });
         let vehicles = scenario.cast.vehicles.iter().enumerate().map(|(number, role)| {
             let states = trace.vehicle(number).iter().map(|frame| {
-                let pose = frame.state.pose;
-                (pose, pose.forward() * frame.state.speed)
+                let VehicleState { pose, speed, ground, .. } = frame.state;
+                (pose, pose.forward() * speed, ground)
             });
-            let track = track(&scenario.town, states);
+            let track = track(&scenario.town, states, role.blueprint.wheelbase);
             (ActorId::Vehicle(number as u8), Shape::Vehicle(&role.blueprint), track)
         });
         let pedestrians = scenario.cast.pedestrians.iter().enumerate().map(|(number, role)| {
-            let states = trace.pedestrian(number).iter().map(|state| (state.pose, state.velocity));
-            let track = track(&scenario.town, states);
+            let states = trace.pedestrian(number).iter().map(|state| (state.pose, state.velocity, state.ground));
+            let track = track(&scenario.town, states, 0.0);
             (ActorId::Pedestrian(number as u8), Shape::Pedestrian(&role.body), track)
         });
         let all = vehicles.chain(pedestrians).zip(names);
@@ -157,15 +159,15 @@ impl<'a> Episode<'a> {
         Ok(())
     }
 
-    /// The tick after which the pedestrian of the verdict moves, and its distance to the ego's reference point then (m).
+    /// The tick after which the pedestrian of the verdict moves, and the way to it from the ego's reference point then (m).
     ///
     /// # Errors
     /// The pedestrian never moves.
     pub(super) fn release(
         &self,
         format: &'static str,
-        reference: impl Fn(&Motion) -> [f64; 2],
-    ) -> Result<(usize, f64), ExportError> {
+        reference: impl Fn(&Motion) -> [f64; 3],
+    ) -> Result<(usize, [f64; 3]), ExportError> {
         let actors = self.actors();
         let track = &actors[self.main_pedestrian()].track;
         let moves = |pair: &[Motion]| (pair[1].pose.position() - pair[0].pose.position()).norm() > 1e-9;
@@ -173,9 +175,9 @@ impl<'a> Episode<'a> {
             let what = "the release of a pedestrian that stands still".to_owned();
             return Err(ExportError::NotRepresentable { format, what });
         };
-        let [x, y] = reference(&actors[0].track[first]);
-        let place = track[first].pose;
-        Ok((first, libm::hypot(place.x - x, place.y - y)))
+        let [x, y, z] = reference(&actors[0].track[first]);
+        let Motion { pose: place, ground, .. } = track[first];
+        Ok((first, [place.x - x, place.y - y, ground - z]))
     }
 
     /// Length of a tick (s).
@@ -263,18 +265,22 @@ impl Actor<'_> {
     }
 }
 
-fn track(town: &Town, states: impl Iterator<Item = (Pose, Vector)>) -> Vec<Motion> {
-    let level = town.roads.iter().all(|road| road.plan_view.elevation().cubics().is_empty());
-    let height = |place: Point| {
-        let lane = if level { None } else { town.nearest_lane(place, LaneFilter::Any) };
+/// The track of a body on axles this far apart (m), from its poses, velocities, and heights of its level.
+fn track(town: &Town, states: impl Iterator<Item = (Pose, Vector, f64)>, wheelbase: f64) -> Vec<Motion> {
+    let flat = town.roads.iter().all(|road| road.plan_view.elevation().cubics().is_empty());
+    let height = |place: Place| {
+        let lane = if flat { None } else { town.nearest_lane(place, LaneFilter::Any) };
         lane.map_or(0.0, |lane| town.elevation(lane))
     };
     let mut heading: Option<f64> = None;
     states
-        .map(|(pose, velocity)| {
+        .map(|(pose, velocity, level)| {
             let unwrapped = heading.map_or(pose.yaw, |before| before + wrap_angle(pose.yaw - before));
             heading = Some(unwrapped);
-            Motion { pose, heading: unwrapped, velocity, ground: height(pose.position()) }
+            let axle = |ahead: f64| height(Place::on(pose.to_world(Vector::new(ahead, 0.0)), level));
+            let [rear, front] = [-wheelbase / 2.0, wheelbase / 2.0].map(axle);
+            let pitch = libm::atan2(rear - front, wheelbase);
+            Motion { pose, heading: unwrapped, velocity, ground: (rear + front) / 2.0, pitch }
         })
         .collect()
 }

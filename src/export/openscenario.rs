@@ -137,7 +137,8 @@ impl<'a> Storyboard<'a> {
         }
         if variant.walking == Walking::Released {
             let axle = |motion: &Motion| storyboard.reference(&storyboard.actors[0], motion);
-            storyboard.release = Some(episode.release(format, axle)?);
+            let (tick, [x, y, z]) = episode.release(format, axle)?;
+            storyboard.release = Some((tick, libm::hypot(libm::hypot(x, y), z)));
         }
         storyboard.description = storyboard.describe(episode);
         Ok(storyboard)
@@ -178,14 +179,14 @@ impl<'a> Storyboard<'a> {
         format!("{}. {ego}{release} {body}.{touches}", episode.summary().trim_end_matches('.'))
     }
 
-    /// The reference point of an actor: the middle of the rear axle, or that of the box.
-    fn reference(&self, actor: &Actor, motion: &Motion) -> [f64; 2] {
+    /// The reference point of an actor on the ground: the middle of the rear axle, or that of the box.
+    fn reference(&self, actor: &Actor, motion: &Motion) -> [f64; 3] {
         let back = match actor.shape {
             Shape::Vehicle(blueprint) if self.version != Version::V1_0 => blueprint.wheelbase / 2.0,
             _ => 0.0,
         };
         let place = motion.pose.position() - motion.pose.forward() * back;
-        [place.x, place.y]
+        [place.x, place.y, motion.ground + back * libm::tan(motion.pitch)]
     }
 
     fn text(&self) -> String {
@@ -347,10 +348,10 @@ impl<'a> Storyboard<'a> {
     }
 
     fn position(&self, xml: &mut Xml, actor: &Actor, motion: &Motion) {
-        let [x, y] = self.reference(actor, motion).map(Short);
+        let [x, y, z] = self.reference(actor, motion).map(Short);
         xml.element("Position", &[], |xml| {
-            let (z, heading) = (Short(motion.ground), Short(motion.heading));
-            xml.empty("WorldPosition", &[("x", &x), ("y", &y), ("z", &z), ("h", &heading), ("p", &0), ("r", &0)]);
+            let (heading, pitch) = (Short(motion.heading), Short(motion.pitch));
+            xml.empty("WorldPosition", &[("x", &x), ("y", &y), ("z", &z), ("h", &heading), ("p", &pitch), ("r", &0)]);
         });
     }
 

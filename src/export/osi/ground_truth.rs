@@ -65,7 +65,7 @@ fn moving_object(number: usize, actor: &Actor, tick: usize, is_named: bool) -> M
         base: Some(Base {
             dimension: triple(size),
             position: triple([motion.pose.x, motion.pose.y, motion.ground + size[2] / 2.0]),
-            orientation: triple([0.0, 0.0, motion.pose.yaw]),
+            orientation: triple([0.0, motion.pitch, motion.pose.yaw]),
             velocity: triple([motion.velocity.x, motion.velocity.y, 0.0]),
         }),
         kind: Some(if is_vehicle { VEHICLE } else { PEDESTRIAN }),
