@@ -77,7 +77,7 @@ fn table(rows: &[Row<'_>]) -> Table {
         let (coverage, look) = (&found.coverage, found.coverage.best());
         let bound = match found.bound().map(percent_above) {
             Some(bound) if found.is_covered(cover) => bound.into(),
-            Some(bound) => Value::Warning(format!("{bound}, asked {}", percent_above(cover.epsilon))),
+            Some(bound) => Value::warning(format!("{bound}, asked {}", percent_above(cover.epsilon))),
             None => none(),
         };
         vec![

@@ -44,16 +44,16 @@ fn table(results: &[(&Estimation, &Estimate)]) -> Table {
         let Estimation { pedestrian, requirement, town, policy, exposure, .. } = job;
         let who = if requirement.is_empty() { pedestrian.clone() } else { format!("{pedestrian} ({requirement})") };
         let mut row: Vec<Value> = vec![Value::from(policy), Value::from(town), who.into()];
-        row.extend(Blame::ALL.iter().map(|event| Value::Text(one_in(estimate.of(*event)))));
+        row.extend(Blame::ALL.iter().map(|event| Value::text(one_in(estimate.of(*event)))));
         let fault = estimate.of(Blame::Fault);
         row.push(Value::Count(estimate.encounters));
         row.extend(exposed.iter().map(|(unit, _)| match exposure[*unit] {
-            Some(encounters) => Value::Text(rate(fault, encounters)),
-            None => Value::Number(None, 2),
+            Some(encounters) => Value::text(rate(fault, encounters)),
+            None => Value::none(),
         }));
         row.push(match doubts(job, estimate).as_slice() {
             [] => Value::from("none"),
-            doubts => Value::Warning(doubts.join("; ")),
+            doubts => Value::warning(doubts.join("; ")),
         });
         row
     };

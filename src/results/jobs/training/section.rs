@@ -1,8 +1,7 @@
 use super::TrainingResult;
 use super::picture::learning;
-use crate::report::Findings;
 use crate::report::table::{Column, Depth, Section, Table, Value};
-use base::statistics::{mean, sample_deviation};
+use crate::report::{Findings, Rate};
 use compile::TrainingKey;
 use learn::UpdateLog;
 
@@ -35,11 +34,11 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
             Value::from(&key.policy),
             Value::Count(members.len() as u64),
             Value::Count(ends.first().map_or(0, |log| log.steps)),
-            over_runs(&over(|log| log.mean_reward)),
-            over_runs(&over(|log| log.success_rate)),
+            over_runs(over(|log| log.mean_reward)),
+            over_runs(over(|log| log.success_rate)),
         ];
-        row.extend(is_judged.then(|| over_runs(&over(|log| log.fault_rate))));
-        row.push(over_runs(&over(|log| log.mean_length)));
+        row.extend(is_judged.then(|| over_runs(over(|log| log.fault_rate))));
+        row.push(over_runs(over(|log| log.mean_length)));
         if is_validated {
             let kept: Vec<f64> =
                 members.iter().filter_map(|member| member.validation.get(member.kept()).copied()).collect();
@@ -52,7 +51,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
                     .map(|(_, reward)| *reward)
             });
             row.push(Value::Count(members[0].validation.len() as u64));
-            row.extend([over_runs(&kept), over_runs(&others.collect::<Vec<_>>())]);
+            row.extend([over_runs(kept), over_runs(others.collect::<Vec<_>>())]);
         }
         row.push(Value::Count((members.len() - ends.len()) as u64));
         row
@@ -93,6 +92,6 @@ fn groups(trainings: &[TrainingResult]) -> Vec<(&TrainingKey, Vec<&TrainingResul
 }
 
 /// Mean and standard deviation.
-fn over_runs(values: &[f64]) -> Value {
-    Value::Spread(mean(values.iter().copied()), sample_deviation(values.iter().copied()))
+fn over_runs(values: Vec<f64>) -> Value {
+    (&Rate::of_runs(values)).into()
 }

@@ -90,7 +90,7 @@ fn environment(named: &NamedTown, found: &Findings<'_>) -> Vec<Value> {
     });
     vec![
         Value::from(name),
-        Value::Number(Some(length / 1000.0), 1),
+        Value::number(Some(length / 1000.0), 1),
         if limits.is_empty() { "none".into() } else { limits.join(", ").into() },
         Value::Count(town.traffic_lights.len() as u64),
         Value::Count(town.crosswalks.len() as u64),

@@ -76,12 +76,12 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
     let row = |finding: &DistinctFailure| {
         let Failure { key, impact_speed, impact, .. } = &finding.failure;
         vec![
-            Value::Code(finding.failure.name()),
+            Value::code(finding.failure.name()),
             Value::from(&key.cell.policy),
             key.cell.place().into(),
             Value::from(finding.failure.finder()),
             Value::from(finding.failure.violation.as_ref().map_or("collision", |violated| &violated.requirement)),
-            Value::Number(impact.is_some().then_some(*impact_speed), 1),
+            Value::number(impact.is_some().then_some(*impact_speed), 1),
             Value::Count(finding.merged as u64),
             finding.commands.map_or_else(|| "–".into(), |[before, now]| format!("{before} → {now}").into()),
             finding.cause.as_ref().map_or_else(|| no_cause(finding), Cause::sentence).into(),

@@ -23,15 +23,14 @@ pub fn provenance(manifest: &Manifest) -> Section {
         rows: manifest
             .files
             .iter()
-            .map(|file| vec![Value::from(&file.path), Value::Code(file.blake3.clone())])
+            .map(|file| vec![Value::from(&file.path), Value::code(file.blake3.clone())])
             .collect(),
         ..Table::default()
     };
     let of_program = |program: &ProgramRecord| -> Vec<Vec<Value>> {
         let version = if program.version.is_empty() { "none stated" } else { &program.version };
-        let of = |file: &str, digest: &str| {
-            vec![(&program.name).into(), version.into(), file.into(), Value::Code(digest.into())]
-        };
+        let of =
+            |file: &str, digest: &str| vec![(&program.name).into(), version.into(), file.into(), Value::code(digest)];
         let files = program.files.iter().map(|(file, digest)| of(file, digest));
         if program.files.is_empty() { vec![of("none declared", "–")] } else { files.collect() }
     };

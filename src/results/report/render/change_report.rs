@@ -109,9 +109,9 @@ fn list(changes: &[&FailureChange]) -> Table {
     head.extend(has_kind.then(|| Column::text("kind")));
     let row = |change: &&FailureChange| {
         let [before, after] = &change.sides;
-        let speed = |side: &SideEnd| Value::Number(side.collision.as_ref().map(|found| found.impact_speed), 1);
-        let mut row = vec![Value::Code(after.name.clone())];
-        row.extend(is_renamed.then(|| Value::Code(before.name.clone())));
+        let speed = |side: &SideEnd| Value::number(side.collision.as_ref().map(|found| found.impact_speed), 1);
+        let mut row = vec![Value::code(after.name.clone())];
+        row.extend(is_renamed.then(|| Value::code(before.name.clone())));
         row.extend([change.verdict().into(), speed(before), speed(after), change.place.clone().into()]);
         row.extend(has_kind.then(|| change.collision().kind.clone().into()));
         row

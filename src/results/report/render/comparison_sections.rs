@@ -186,17 +186,17 @@ fn rates(events: &[CountedEvent], cell: &ComparedCell) -> Table {
     let mut head = vec![Column::text("rate")];
     head.extend(["before", "after", "difference (95 %)", "p (Holm)", "new", "fixed"].map(Column::number));
     let row = |(event, rate): (&CountedEvent, &Option<PairedRate>)| {
-        let name = Value::Text(event.rate().replacen("_rate", "", 1));
+        let name = Value::text(event.rate().replacen("_rate", "", 1));
         let Some(rate) = rate else {
             let none = std::iter::repeat_n("–".into(), 5);
             return [name, "never applied".into()].into_iter().chain(none).collect();
         };
         vec![
             name,
-            Value::Number(Some(rate.values[0]), 3),
-            Value::Number(Some(rate.values[1]), 3),
+            Value::number(Some(rate.values[0]), 3),
+            Value::number(Some(rate.values[1]), 3),
             difference(rate),
-            Value::Text(rate.holm.map_or("–".into(), p)),
+            Value::text(rate.holm.map_or("–".into(), p)),
             Value::Count(rate.changed.new),
             Value::Count(rate.changed.fixed),
         ]
@@ -208,9 +208,9 @@ fn rates(events: &[CountedEvent], cell: &ComparedCell) -> Table {
 fn difference(rate: &PairedRate) -> Value {
     let value = rate.difference();
     match rate.interval {
-        Some((low, high)) => Value::Text(format!("{value:+.3} ({low:+.3}..{high:+.3})")),
-        None if rate.by_run.len() > 1 => Value::Runs(rate.by_run.clone(), 3, true),
-        None => Value::Text(format!("{value:+.3}")),
+        Some((low, high)) => Value::text(format!("{value:+.3} ({low:+.3}..{high:+.3})")),
+        None if rate.by_run.len() > 1 => Value::runs(rate.by_run.clone(), 3, true),
+        None => Value::text(format!("{value:+.3}")),
     }
 }
 
@@ -231,7 +231,7 @@ fn counts(comparison: &ReportComparison, by: &'static str) -> Table {
     // A verdict that only one side has may be that of a collision of both.
     head.extend(["before", "after", "only after", "only before", "both"].map(Column::number));
     let row = |(name, changed): (String, Changed)| {
-        let mut row = vec![Value::Text(name)];
+        let mut row = vec![Value::text(name)];
         let sums = [changed.fixed + changed.same, changed.new + changed.same, changed.new, changed.fixed, changed.same];
         row.extend(sums.map(Value::Count));
         row
@@ -249,10 +249,10 @@ fn searches(comparison: &ReportComparison) -> Table {
             drivers(&search.policies).into(),
             search.town.clone().into(),
             Value::Count(search.starts),
-            Value::Number(Some(search.found.values[0]), 3),
-            Value::Number(Some(search.found.values[1]), 3),
+            Value::number(Some(search.found.values[0]), 3),
+            Value::number(Some(search.found.values[1]), 3),
             difference(&search.found),
-            Value::Text(search.found.holm.map_or("–".into(), p)),
+            Value::text(search.found.holm.map_or("–".into(), p)),
             Value::Count(search.found.changed.new),
             Value::Count(search.found.changed.fixed),
         ]

@@ -7,7 +7,7 @@ use polars::prelude::PolarsResult;
 
 use super::page::{document, paragraph};
 use super::sections::{Scale, failed_starts, injury, searcher};
-use super::table::{Column, Table, Value};
+use super::table::{Column, Mark, Table, Value};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::report::{DriverResult, Overview, Rate, Variant};
 use crate::tables::metrics::{EPISODES, compared};
@@ -115,7 +115,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
                 (Some(0.0), Some(episodes)) => Value::Of(0, episodes as u64),
                 _ => over_seeds(&rate, false),
             };
-            row.extend([mean, Value::Number(rate.sd, 3)]);
+            row.extend([mean, Value::number(rate.sd, 3)]);
         }
         row
     };
@@ -129,7 +129,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
     }];
     let p = |p: Option<f64>| match p {
         Some(p) if p < 0.001 => "< 0.001".into(),
-        p => Value::Number(p, 3),
+        p => Value::number(p, 3),
     };
     let shown_metrics = || compared().rev().take(if everything { usize::MAX } else { 1 });
     let by_group: BTreeMap<u32, &Row<u32>> = all.iter().map(|row| (row.key, row)).collect();
@@ -161,8 +161,8 @@ fn over_seeds(rate: &Rate, is_difference: bool) -> Value {
     match (rate.value, rate.sd, rate.interval) {
         (Some(mean), Some(sd), None) if is_difference => format!("{mean:+.3} ± {sd:.3}").into(),
         (Some(mean), Some(sd), None) => format!("{mean:.3} ± {sd:.3}").into(),
-        (value, _, interval) if is_difference => Value::Difference(value, interval),
-        (value, _, interval) => Value::Estimate(value, interval, 3),
+        (value, _, interval) if is_difference => Value::difference(value, interval),
+        (value, _, interval) => Value::estimate(value, interval, 3),
     }
 }
 
@@ -214,7 +214,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     let row = |(variant, result): (&Variant<'_>, &DriverResult)| {
         let mut values = first(variant, &overview.values(variant));
         values.push(Value::from(&result.driver.name));
-        values.extend([Value::Text(result.worst_in_words()), Value::Number(injury(result, variant.cells), 2)]);
+        values.extend([Value::text(result.worst_in_words()), Value::number(injury(result, variant.cells), 2)]);
         // The baseline of each report is its own.
         let scale = Scale::new(variant.drivers, variant.cells, variant.searches);
         let share = scale.injury_of(result).zip(scale.head());
@@ -237,7 +237,7 @@ fn head(overview: &Overview<'_>) -> Vec<Column> {
 /// The values of these columns.
 fn first(variant: &Variant<'_>, parameters: &[Option<String>]) -> Vec<Value> {
     let report = &variant.report;
-    let link = Value::Link(report.clone(), format!("{}/report.html", address(report)));
+    let link = Value::Text(report.clone(), Mark::Link(format!("{}/report.html", address(report))));
     std::iter::once(link).chain(parameters.iter().map(|value| Value::from(value.as_deref().unwrap_or("–")))).collect()
 }
 

@@ -96,13 +96,13 @@ fn count(table: &DataFrame, row: usize, column: &str) -> Value {
 fn crossings(list: &DataFrame, row: usize) -> Table {
     let mut head = vec![Column::text("")];
     head.extend(["before", "after", "new", "fixed", "same", "p"].map(Column::number));
-    let none = || Value::Text(String::new());
+    let none = || Value::text("");
     let counts = |name: &'static str, of: &str, last: Value| {
         let counts = ["before", "after", "new", "fixed", "same"].map(|part| count(list, row, &format!("{of}_{part}")));
         std::iter::once(name.into()).chain(counts).chain([last]).collect::<Vec<Value>>()
     };
-    let p = |column: &str| Value::Text(number(list, row, column).map_or("–".into(), p));
-    let value = |column: &str| Value::Number(number(list, row, column), 2);
+    let p = |column: &str| Value::text(number(list, row, column).map_or("–".into(), p));
+    let value = |column: &str| Value::number(number(list, row, column), 2);
     let injuries = vec![
         "avoidable severe injuries in 1,000 episodes".into(),
         value("avoidable_injury_before"),

@@ -53,7 +53,7 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
             .files
             .iter()
             .map(|file| {
-                vec![Value::from(&file.path), Value::Code(file.blake3.chars().take(16).collect::<String>() + "…")]
+                vec![Value::from(&file.path), Value::code(file.blake3.chars().take(16).collect::<String>() + "…")]
             })
             .collect(),
         ..Table::default()

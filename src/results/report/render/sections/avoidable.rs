@@ -54,12 +54,12 @@ pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
         row.extend([
             Value::Of(cell.count(&COLLISIONS).into(), cell.count(&EPISODES).into()),
             Value::spread(cell, &PREVENTABLE_RATE),
-            Value::Interval(cell.rate(&PREVENTABLE_RATE).interval),
+            Value::interval(cell.rate(&PREVENTABLE_RATE).interval),
             Value::spread(cell, &FAULT_RATE),
-            Value::Interval(cell.rate(&FAULT_RATE).interval),
+            Value::interval(cell.rate(&FAULT_RATE).interval),
             (&cell.rate(&EXPECTED_PREVENTABLE)).into(),
             Value::or_count(
-                Value::Estimate(share(preventable), cell.rate(&PREVENTABLE_SHARE).interval, 2),
+                Value::estimate(share(preventable), cell.rate(&PREVENTABLE_SHARE).interval, 2),
                 share(preventable),
                 preventable,
                 cell.count(&COLLISIONS),
@@ -69,7 +69,7 @@ pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
             others
                 .into_iter()
                 .chain([cell.count(&WALKED_INTO_COLLISIONS), cell.count(&FORESEEABLE_COLLISIONS)])
-                .map(|count| Value::Number(share(count), 2)),
+                .map(|count| Value::number(share(count), 2)),
         );
         row
     };

@@ -16,10 +16,10 @@ pub fn cast(found: &Findings<'_>) -> Option<Section> {
     let faults = |members: &[&CastFailure]| members.iter().filter(|each| each.failure.fault).count() as u64;
     let row = |(names, members): &(String, Vec<&CastFailure>)| {
         vec![
-            if names.is_empty() { "none of them alone".into() } else { Value::Text(names.clone()) },
+            if names.is_empty() { "none of them alone".into() } else { Value::text(names.clone()) },
             Value::Count(members.len() as u64),
             Value::Count(faults(members)),
-            Value::Failure(members[0].failure.name()),
+            Value::failure(members[0].failure.name()),
         ]
     };
     let mut head = vec![Column::text("needs")];

@@ -48,14 +48,14 @@ fn table(title: &str, found: &[&Comparison]) -> Table {
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
     for found in found {
         let names = names(found, several);
-        let difference = Value::Lines(difference(found).into_iter().chain([Value::Text(probability(found))]).collect());
+        let difference = Value::Lines(difference(found).into_iter().chain([Value::text(probability(found))]).collect());
         // The rates of a pair are consecutive.
         match rows.last_mut().filter(|row| row.starts_with(&names) && row.len() < columns) {
             Some(row) => row.push(difference),
             None => rows.push(names.into_iter().chain([difference]).collect()),
         }
     }
-    rows.iter_mut().for_each(|row| row.resize(columns, Value::Number(None, 2)));
+    rows.iter_mut().for_each(|row| row.resize(columns, Value::none()));
     let all = rows.len();
     let shown = if found.iter().any(|found| found.is_of_drivers()) { MAX_DRIVERS } else { all };
     rows.truncate(shown);
@@ -79,17 +79,17 @@ fn names(found: &Comparison, several_trainings: bool) -> Vec<Value> {
 /// The difference with its interval; with too few runs for one, the values of the single runs.
 fn difference(found: &Comparison) -> Vec<Value> {
     if !found.has_few_runs() {
-        return vec![Value::Difference(Some(found.difference), found.interval)];
+        return vec![Value::difference(Some(found.difference), found.interval)];
     }
     let [first, second] = &found.by_run;
     let runs = |values: &[f64]| match values {
-        [one] => Value::Number(Some(*one), 2),
-        each => Value::Runs(each.to_vec(), 2, false),
+        [one] => Value::number(Some(*one), 2),
+        each => Value::runs(each.to_vec(), 2, false),
     };
     if second.is_empty() {
-        return vec![Value::Runs(first.clone(), 2, true)];
+        return vec![Value::runs(first.clone(), 2, true)];
     }
-    vec![runs(first), Value::Text(format!("less {}", runs(second)))]
+    vec![runs(first), Value::text(format!("less {}", runs(second)))]
 }
 
 fn probability(found: &Comparison) -> String {

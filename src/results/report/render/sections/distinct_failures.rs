@@ -6,12 +6,12 @@ use verdict::cause::Cause;
 pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {
     let row = |DistinctFailure { failure, merged, alike, cause, .. }: &DistinctFailure| {
         vec![
-            Value::Text(failure.key.cell.policy.clone()),
+            Value::text(failure.key.cell.policy.clone()),
             failure.word().into(),
             failure.kind().into(),
             Value::Count(*merged as u64),
             Value::Count(*alike as u64),
-            Value::Failure(failure.name()),
+            Value::failure(failure.name()),
             cause.as_ref().map_or_else(|| "–".into(), Cause::sentence).into(),
         ]
     };

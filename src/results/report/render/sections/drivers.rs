@@ -69,22 +69,22 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
         head.push(if evaluated { found.page_only() } else { found });
     }
     let of_injury = |result: &DriverResult| {
-        let share = scale.head().map(|_| Value::Number(scale.injury_of(result), 2));
-        [Value::Number(injury(result, cells), 2)].into_iter().chain(share).filter(|_| injured)
+        let share = scale.head().map(|_| Value::number(scale.injury_of(result), 2));
+        [Value::number(injury(result, cells), 2)].into_iter().chain(share).filter(|_| injured)
     };
     let row = |result: &&DriverResult| {
         let mut row = vec![
             Value::from(&result.driver.name),
             result.worst_in_words().into(),
-            result.worst.as_ref().map_or_else(|| "–".into(), |worst| Value::Failure(worst.name())),
+            result.worst.as_ref().map_or_else(|| "–".into(), |worst| Value::failure(worst.name())),
         ];
         let cell = result.cell.map(|cell| &cells[cell]);
         if evaluated {
-            row.push(cell.map_or(Value::Number(None, 0), |cell| Value::Count(cell.count(&EPISODES).into())));
+            row.push(cell.map_or(Value::none(), |cell| Value::Count(cell.count(&EPISODES).into())));
             row.extend(of_injury(result));
             row.extend([
                 share(cell, &FAULT_RATE),
-                cell.map_or(Value::Text("–".into()), |cell| {
+                cell.map_or(Value::text("–"), |cell| {
                     format!("{} in {}", who(cell, cells), place(cell, cells)).into()
                 }),
                 share(cell, &PREVENTABLE_RATE),
@@ -102,7 +102,7 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
                     let faults = if fault == 1 { "1 fault".into() } else { format!("{fault} faults") };
                     format!("{} failures: {preventable} preventable, {faults}", found.all).into()
                 }
-                None => Value::Text("–".into()),
+                None => Value::text("–"),
             });
         }
         row
@@ -112,5 +112,5 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
 
 /// A share of a cell with its interval.
 fn share(cell: Option<&Cell>, metric: &Metric) -> Value {
-    cell.map_or(Value::Estimate(None, None, 2), |cell| Value::share(cell, metric))
+    cell.map_or(Value::estimate(None, None, 2), |cell| Value::share(cell, metric))
 }

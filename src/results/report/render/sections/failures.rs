@@ -10,9 +10,9 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
     let row = |ListedFailure { report, failure, merged, .. }: &ListedFailure| {
         let name = failure.name();
         let mut row = vec![
-            Value::Code(if one { name } else { report.join(name).display().to_string() }),
+            Value::code(if one { name } else { report.join(name).display().to_string() }),
             failure.word().into(),
-            Value::Number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1),
+            Value::number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1),
             failure.key.cell.policy.clone().into(),
             failure.finder().into(),
             failure.key.cell.town.clone().into(),
@@ -20,7 +20,7 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
         ];
         row.extend(has_worlds.then(|| failure.key.cell.simulator().to_owned().into()));
         row.extend(merged.filter(|_| is_merged).map(Value::Count));
-        row.extend(has_needs.then(|| Value::Text(failure.needs.clone().unwrap_or_default())));
+        row.extend(has_needs.then(|| Value::text(failure.needs.clone().unwrap_or_default())));
         row
     };
     let mut head = vec![

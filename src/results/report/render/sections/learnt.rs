@@ -23,22 +23,22 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
     let mut rows = Vec::new();
     for (cell, learning) in judged {
         let each: Vec<String> =
-            learning.rewards.iter().map(|reward| Value::Number(Some(*reward), 2).to_string()).collect();
+            learning.rewards.iter().map(|reward| Value::number(Some(*reward), 2).to_string()).collect();
         let less = |other: &&str| {
             let found = learning.baselines.iter().find(|baseline| baseline.controller == **other);
             let (difference, interval) = found.map(|found| found.difference).unzip();
-            Value::Difference(difference, interval)
+            Value::difference(difference, interval)
         };
         let answer = learning.beats_untrained();
         let name = answer.name().to_string();
         let mut row = names(cell, cells);
         row.push(each.join(" ").into());
         row.extend(untrained.iter().map(less));
-        row.push(if answer == BeatsUntrained::Yes { Value::Text(name) } else { Value::Warning(name) });
+        row.push(if answer == BeatsUntrained::Yes { Value::text(name) } else { Value::warning(name) });
         row.push(match learning.disagree() {
-            Some(true) => Value::Warning("disagree".into()),
-            Some(false) => Value::Text("agree".into()),
-            None => Value::Text("one".into()),
+            Some(true) => Value::warning("disagree"),
+            Some(false) => Value::text("agree"),
+            None => Value::text("one"),
         });
         rows.push(row);
     }

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use crate::jobs::percent_above;
-use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::render::table::{Column, Mark, Place, Section, Table, Value};
 use crate::report::{Colour, Findings, ProtocolCell, score};
 use episode::TestCriterion;
 
@@ -85,7 +85,7 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
     let row = |(policy, overlap): &(&str, f64)| {
         let of: Vec<&ProtocolCell> =
             cells.iter().copied().filter(|cell| cell.policy == *policy && cell.overlap == *overlap).collect();
-        let mut row = vec![Value::Code((*policy).into()), Value::Percent(*overlap)];
+        let mut row = vec![Value::code(*policy), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().find(|cell| cell.test_speed == *speed);
             cell.map_or_else(|| "–".into(), |cell| played(cell))
@@ -93,8 +93,8 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
         let passed = of.iter().filter(|cell| cell.is_tested() && cell.passes() == Some(true)).count();
         let caveats = ProtocolCell::caveats(&of);
         row.extend(coloured.then(|| match score(of.iter().copied()) {
-            Some(score) if !caveats.is_empty() => Value::Warning(format!("{score:.2}: {caveats}")),
-            score => Value::Number(score, 2),
+            Some(score) if !caveats.is_empty() => Value::warning(format!("{score:.2}: {caveats}")),
+            score => Value::number(score, 2),
         }));
         row.push(passes(passed, &of, if coloured { "" } else { &caveats }));
         row
@@ -118,7 +118,7 @@ fn passes(passed: usize, of: &[&ProtocolCell], caveats: &str) -> Value {
     if !caveats.is_empty() {
         text += &format!(", {caveats}");
     }
-    Value::Text(text)
+    Value::text(text)
 }
 
 /// A cell of a test within its layers.
@@ -210,13 +210,13 @@ fn robustness<'a>(drivers: &[&'a str], of: impl Fn(&str) -> Vec<&'a Layered<'a>>
         let worst: Vec<&ProtocolCell> = of.iter().map(|each| each.worst()).collect();
         let count = |number: usize| Value::Count(number as u64);
         vec![
-            Value::Code((*driver).into()),
+            Value::code(*driver),
             count(of.len()),
             count(of.iter().filter(|each| each.is_worse()).count()),
             count(nominal.iter().filter(|cell| red(cell)).count()),
             count(worst.iter().filter(|cell| red(cell)).count()),
-            Value::Number(score(nominal.iter().copied()), 2),
-            Value::Number(score(worst.iter().copied()), 2),
+            Value::number(score(nominal.iter().copied()), 2),
+            Value::number(score(worst.iter().copied()), 2),
         ]
     };
     let note = "A cell is a test, an overlap and a test speed. *Worse*: a variation of the target within the layers has a worse colour than the \
@@ -264,7 +264,7 @@ fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
     let row = |(test, overlap): &(&str, f64)| {
         let here = |each: &&&Layered<'_>| each.key().test == *test && each.key().overlap == *overlap;
         let name = of.iter().find(here).and_then(|each| each.nominal).map_or(*test, |nominal| nominal.test.as_str());
-        let mut row = vec![Value::Code(name.into()), Value::Percent(*overlap)];
+        let mut row = vec![Value::code(name), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().filter(here).find(|each| each.key().test_speed == *speed);
             cell.map_or_else(|| "–".into(), |each| each.value())
@@ -293,7 +293,7 @@ fn of_searches(all: &[Layered<'_>]) -> Table {
             |each: &&&Layered<'_>| each.found_by(name).is_some_and(|cell| cell.colour() == each.worst().colour());
         let searched = all.iter().filter(|each| each.found_by(name).is_some()).count() as u64;
         let found = worse.iter().filter(as_bad).count() as u64;
-        vec![Value::Code((*name).into()), Value::Count(searched), Value::Of(found, worse.len() as u64)]
+        vec![Value::code(*name), Value::Count(searched), Value::Of(found, worse.len() as u64)]
     };
     let names = ["cells searched", "worst colour found, of the worse cells"];
     Table {
@@ -313,14 +313,14 @@ fn changes(all: &[Layered<'_>]) -> Option<Table> {
     let row = |each: &Layered<'_>| {
         let worst = each.worst();
         vec![
-            Value::Code(worst.policy.clone()),
-            Value::Code(each.nominal.unwrap_or(worst).test.clone()),
+            Value::code(worst.policy.clone()),
+            Value::code(each.nominal.unwrap_or(worst).test.clone()),
             Value::Percent(worst.overlap),
-            Value::Number(Some(worst.test_speed * 3.6), 0),
+            Value::number(Some(worst.test_speed * 3.6), 0),
             each.nominal.map_or_else(|| "–".into(), shown),
             played(worst),
-            Value::Code(worst.falsifier.clone().unwrap_or_default()),
-            Value::Code(worst.worst.clone().unwrap_or_default()),
+            Value::code(worst.falsifier.clone().unwrap_or_default()),
+            Value::code(worst.worst.clone().unwrap_or_default()),
         ]
     };
     let rows: Vec<_> = all.iter().filter(|each| each.is_worse()).map(row).collect();
@@ -350,10 +350,10 @@ fn shown(cell: &ProtocolCell) -> Value {
         return if cell.failed { "error" } else { "–" }.into();
     };
     if let Some(driven) = cell.driven_speed.filter(|_| cell.is_held() == Some(false)) {
-        return Value::Warning(format!("not tested: {:.0} km/h", driven * 3.6));
+        return Value::warning(format!("not tested: {:.0} km/h", driven * 3.6));
     }
     let word = cell.colour().map_or(if passes { "passes" } else { "fails" }, Colour::name);
     let tone = cell.colour().unwrap_or(if passes { Colour::Green } else { Colour::Red });
     let speed = if impact > 0.0 { format!("{:.1} ", impact * 3.6) } else { String::new() };
-    Value::Toned(format!("{speed}{word}"), tone.name())
+    Value::Text(format!("{speed}{word}"), Mark::Tone(tone.name()))
 }

@@ -43,8 +43,8 @@ fn beside(all: &[PublishedComparison<'_>]) -> Table {
         row.extend(several.then(|| Value::from(&key.policy)));
         row.extend(figures.iter().map(|figure| {
             let found = rows.iter().find(|row| row.published.column == *figure);
-            found.map_or(Value::Number(None, 2), |row| {
-                let [theirs, ours] = [Some(row.published.mean), row.ours.value].map(|mean| Value::Number(mean, 2));
+            found.map_or(Value::none(), |row| {
+                let [theirs, ours] = [Some(row.published.mean), row.ours.value].map(|mean| Value::number(mean, 2));
                 Value::Change(Box::new(theirs), Box::new(ours))
             })
         }));
@@ -75,7 +75,7 @@ fn table(rows: &[PublishedComparison<'_>]) -> Table {
             row.published.column.replace('_', " ").into(),
             (&row.theirs()).into(),
             (&row.ours).into(),
-            Value::Difference(row.difference, row.interval),
+            Value::difference(row.difference, row.interval),
         ]
     };
     Table {

@@ -20,7 +20,7 @@ pub fn reference_drivers(found: &Findings<'_>) -> Option<Section> {
         let rate = |count: ClusteredCount| {
             let share = count.share_of(&found.episodes).unwrap_or_default();
             let interval = (!cell.is_fixed_cases()).then(|| wilson(count, found.episodes));
-            let estimate = Value::Estimate(Some(share), interval, 2);
+            let estimate = Value::estimate(Some(share), interval, 2);
             Value::or_count(estimate, Some(share), count.count() as u32, found.episodes.count() as u32)
         };
         let mut row = names(cell, cells);

@@ -48,17 +48,17 @@ fn table(cells: &Cells, scale: &Scale<'_>) -> Table {
     head.extend(scale.name().map(|name| Column::number(format!("of {name}'s"))));
     let mut rows = Vec::new();
     for (name, members) in by_place(cells) {
-        let mut row = vec![Value::Text(name)];
-        row.resize(head.len(), Value::Text(String::new()));
+        let mut row = vec![Value::text(name)];
+        row.resize(head.len(), Value::text(String::new()));
         rows.push(row);
         for cell in members {
-            let mut row = vec![Value::Text(format!("  {}", who(cell, cells)))];
+            let mut row = vec![Value::text(format!("  {}", who(cell, cells)))];
             row.push(Value::Times(cell.runs().into(), u64::from(cell.count(&EPISODES) / cell.runs().max(1))));
             row.extend(has_left_out.then(|| left_out(cell)));
             row.extend(has_errors.then(|| Value::Count(cell.count(&ERRORS).into())));
             row.push(Value::share(cell, &COLLISION_RATE));
             row.push(Value::share(cell, &FAULT_RATE));
-            row.extend(scale.name().map(|_| Value::Number(scale.share(cell, &FAULT_RATE), 2)));
+            row.extend(scale.name().map(|_| Value::number(scale.share(cell, &FAULT_RATE), 2)));
             rows.push(row);
         }
     }

@@ -42,8 +42,8 @@ fn table(title: &str, found: &[&SearchPair]) -> Table {
         let mut row = vec![Value::from(&pair.text(&METHOD)), place.into(), other.into()];
         row.extend(SHOWN.map(|(figure, _)| {
             let of = figures.iter().find(|each| each.text(&FIGURE) == figure);
-            of.map_or(Value::Number(None, 2), |of| {
-                Value::Lines(vec![difference(of), Value::Text(probability(of.number(P_HOLM)))])
+            of.map_or(Value::number(None, 2), |of| {
+                Value::Lines(vec![difference(of), Value::text(probability(of.number(P_HOLM)))])
             })
         }));
         row
@@ -57,8 +57,8 @@ fn table(title: &str, found: &[&SearchPair]) -> Table {
 /// The difference with its interval; with too few runs for one, the values of the single runs.
 fn difference(found: &SearchPair) -> Value {
     match found.ends(DIFFERENCE) {
-        None => Value::Runs(found.list(DIFFERENCES), 2, true),
-        interval => Value::Difference(found.number(DIFFERENCE), interval),
+        None => Value::runs(found.list(DIFFERENCES), 2, true),
+        interval => Value::difference(found.number(DIFFERENCE), interval),
     }
 }
 

@@ -64,7 +64,7 @@ fn falsifiers(cells: &[SearchCell]) -> Table {
             Value::from(&cell.key.policy),
             Value::Times(runs, cell.budget()),
             Value::Of(falsified, runs),
-            Value::Number(cell.number(&median_column(FIRST_FAILURE)), 0),
+            Value::number(cell.number(&median_column(FIRST_FAILURE)), 0),
             simulations.unwrap_or_else(|| "–".into()).into(),
             failed_starts(cell),
             of_starts(&cell.rate(FAULT_STARTS), &cell.rate(STARTS.name)),

@@ -66,6 +66,6 @@ fn rate<'a>(cells: impl Iterator<Item = &'a Cell>) -> Value {
     };
     let (faults, episodes) = (clustered(|town| town.0), clustered(|town| town.1));
     let share = faults.share_of(&episodes);
-    let estimate = Value::Estimate(share, (!is_fixed_cases && share.is_some()).then(|| wilson(faults, episodes)), 2);
+    let estimate = Value::estimate(share, (!is_fixed_cases && share.is_some()).then(|| wilson(faults, episodes)), 2);
     Value::or_count(estimate, share, faults.count() as u32, episodes.count() as u32)
 }

@@ -1,6 +1,6 @@
 use maud::{Markup, html};
 
-use super::{Align, Section, Table, Value};
+use super::{Align, Mark, Section, Table, Value};
 use crate::report::render::page::{count, paragraph, percent};
 
 /// The place of the player of a failure on the page; `None` if it is not played.
@@ -88,14 +88,7 @@ impl Section {
 fn value(value: &Value, player: PlayerOf<'_>) -> Markup {
     html! {
         @match value {
-            Value::Code(text) => code { (text) },
-            Value::Link(text, file) => a href=(file) { (text) },
-            Value::Warning(text) => span.warn { (text) },
-            Value::Toned(text, tone) => span.tone.(tone) { (text) },
-            Value::Failure(name) => {
-                @if let Some(place) = player(name) { a.play href=(place) { "play" } " " }
-                code { (name) }
-            },
+            Value::Text(words, mark) => (marked(words, mark, player)),
             Value::Played(value, name) => @match player(name) {
                 Some(place) => a href=(place) title="play it" { (self::value(value, player)) },
                 None => (self::value(value, player)),
@@ -104,19 +97,32 @@ fn value(value: &Value, player: PlayerOf<'_>) -> Markup {
             Value::Times(runs, each) => { (runs) " × " (count(*each)) },
             Value::Percent(share) => (percent(*share)),
             // The interval is below its number, so that many columns fit side by side.
-            Value::Estimate(Some(number), Some((low, high)), digits) if low != high => {
-                (format!("{number:.digits$}")) " " small { (format!("{low:.digits$}..{high:.digits$}")) }
-            },
-            Value::Difference(Some(number), Some((low, high))) => {
-                @let digits = super::value::digits(high - low);
-                (format!("{number:+.digits$}")) " " small { (format!("{low:+.digits$}..{high:+.digits$}")) }
+            Value::Number(number) => @match number.with_ends() {
+                Some((number, ends)) => { (number) " " small { (ends) } },
+                None => (number.to_string()),
             },
             Value::Change(before, after) => span.change { (self::value(before, player)) " " span { "→ " (self::value(after, player)) } },
             Value::Lines(lines) => @for (place, line) in lines.iter().enumerate() {
                 @if place > 0 { " " br; }
                 (self::value(line, player))
             },
-            other => (other.to_string()),
+            Value::Of(..) => (value.to_string()),
+        }
+    }
+}
+
+fn marked(words: &str, mark: &Mark, player: PlayerOf<'_>) -> Markup {
+    html! {
+        @match mark {
+            Mark::Plain => (words),
+            Mark::Code => code { (words) },
+            Mark::Link(file) => a href=(file) { (words) },
+            Mark::Warning => span.warn { (words) },
+            Mark::Tone(tone) => span.tone.(tone) { (words) },
+            Mark::Failure => {
+                @if let Some(place) = player(words) { a.play href=(place) { "play" } " " }
+                code { (words) }
+            },
         }
     }
 }

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::{Align, Section, Table, Value};
+use super::{Align, Mark, Section, Table, Value};
 
 impl Table {
     /// The table as Markdown, with its title and notes.
@@ -37,9 +37,9 @@ impl Section {
 
 fn value(value: &Value) -> String {
     match value {
-        Value::Code(text) | Value::Failure(text) => format!("`{text}`"),
-        Value::Link(text, file) => format!("[{}]({file})", escaped(text)),
-        Value::Warning(text) => format!("**{}**", escaped(text)),
+        Value::Text(words, Mark::Code | Mark::Failure) => format!("`{words}`"),
+        Value::Text(words, Mark::Link(file)) => format!("[{}]({file})", escaped(words)),
+        Value::Text(words, Mark::Warning) => format!("**{}**", escaped(words)),
         Value::Lines(lines) => lines.iter().map(self::value).collect::<Vec<_>>().join("<br>"),
         other => escaped(&other.to_string()),
     }

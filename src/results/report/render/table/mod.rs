@@ -5,7 +5,7 @@ mod terminal;
 mod markdown;
 mod html;
 
-pub use value::Value;
+pub use value::{Mark, Value};
 
 use maud::Markup;
 
@@ -131,6 +131,7 @@ impl Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Rate;
 
     fn table() -> Table {
         Table {
@@ -138,8 +139,12 @@ mod tests {
             title: "Rates".into(),
             head: vec![Column::text("who"), Column::number("rate"), Column::number("runs").detail()],
             rows: vec![
-                vec![Value::Text("a|<b>".into()), Value::Spread(Some(0.5), Some(0.125)), Value::Count(1234)],
-                vec![Value::Link("c".into(), "c.svg".into()), Value::Number(None, 2), Value::Of(1, 2)],
+                vec![
+                    "a|<b>".into(),
+                    (&Rate { value: Some(0.5), sd: Some(0.125), ..Rate::default() }).into(),
+                    Value::Count(1234),
+                ],
+                vec![Value::Text("c".into(), Mark::Link("c.svg".into())), Value::none(), Value::Of(1, 2)],
             ],
             notes: vec!["A *rate* is `hits` of all.".into()],
         }

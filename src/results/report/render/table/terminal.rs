@@ -1,7 +1,7 @@
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
 
-use super::{Align, Depth, Place, Section, Table, Value};
+use super::{Align, Depth, Mark, Place, Section, Table, Value};
 
 /// The gap before a column.
 const GAP: u16 = 2;
@@ -38,8 +38,8 @@ impl Table {
     fn least_width(&self, column: usize) -> usize {
         let head = &self.head[column];
         let values = || self.rows.iter().map(|row| &row[column]);
-        let is_whole =
-            head.align == Align::Right || values().any(|value| matches!(value, Value::Code(_) | Value::Failure(_)));
+        let is_whole = head.align == Align::Right
+            || values().any(|value| matches!(value, Value::Text(_, Mark::Code | Mark::Failure)));
         let longest = |text: &str| text.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
         let least = |text: String| if is_whole { text.chars().count() } else { longest(&text) };
         let widest = values().map(|value| least(value.to_string())).max().unwrap_or(0);
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_table_that_is_too_wide_comes_in_parts_with_its_keys() {
-        let words = |text: &str| Value::Text(text.into());
+        let words = |text: &str| Value::text(text);
         let mut head = vec![Column::text("driver"), Column::number("overlap").key()];
         head.extend((20..26).map(|speed| Column::number(format!("{speed} km/h"))));
         let row = |driver: &str| {
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn words_are_wrapped_and_not_broken() {
-        let words = |text: &str| Value::Text(text.into());
+        let words = |text: &str| Value::text(text);
         let head = vec![Column::text("driver"), Column::text("worst failure"), Column::number("rate")];
         let rows = vec![vec![words("idm"), words("fault, 12.5 m/s"), words("0.00 (0.00..0.26)")]];
         let text = Table { head, rows, ..Table::default() }.to_terminal(44);

@@ -3,44 +3,64 @@ use std::fmt;
 
 use crate::report::Rate;
 
-/// A value of a table. `Display` gives its text; Markdown and HTML add markup for code, links and lines.
+/// A value of a table. `Display` gives its text; Markdown and HTML add markup for marks and lines.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// Words.
-    Text(String),
-    /// Words that a reader may copy: a name, a command.
-    Code(String),
-    /// Words with a link: text, and the file in the folder of the report.
-    Link(String, String),
+    Text(String, Mark),
     Count(u64),
     /// A count of a total.
     Of(u64, u64),
     /// Number of runs, and the amount of each of them.
     Times(u64, u64),
-    /// A number, and its number of digits after the point.
-    Number(Option<f64>, usize),
-    /// A mean with its standard deviation.
-    Spread(Option<f64>, Option<f64>),
-    Interval(Option<(f64, f64)>),
-    /// A number with its interval, and their number of digits after the point.
-    Estimate(Option<f64>, Option<(f64, f64)>, usize),
-    /// The same for a difference, with its sign.
-    Difference(Option<f64>, Option<(f64, f64)>),
-    /// The values of single runs, too few for an interval, their number of digits after the point, and whether they are differences with a sign.
-    Runs(Vec<f64>, usize, bool),
     /// A share of a whole.
     Percent(f64),
-    Warning(String),
-    /// Words on a colour of the page's style sheet: `green`, `yellow`, `orange`, `brown` or `red`.
-    Toned(String, &'static str),
-    /// The name of a failure. The page leads to its player.
-    Failure(String),
+    Number(Number),
     /// A value that a failure made, and the name of the failure.
     Played(Box<Self>, String),
     /// A value, and what it became.
     Change(Box<Value>, Box<Value>),
     /// Several values below each other.
     Lines(Vec<Value>),
+}
+
+/// How words are shown.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Mark {
+    #[default]
+    Plain,
+    /// A reader may copy them: a name, a command.
+    Code,
+    /// With a link to this file in the folder of the report.
+    Link(String),
+    Warning,
+    /// On a colour of the page's style sheet: `green`, `yellow`, `orange`, `brown` or `red`.
+    Tone(&'static str),
+    /// The name of a failure. The page leads to its player.
+    Failure,
+}
+
+/// A number, and how sure it is.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Number {
+    /// `None` of an interval that stands alone, of single runs, and where it is missing.
+    value: Option<f64>,
+    spread: Spread,
+    /// The digits after the point; `None` for as many as show the ends of the interval apart.
+    digits: Option<usize>,
+    /// Whether it is a difference, which has a sign.
+    is_signed: bool,
+}
+
+/// What is known of a number besides.
+#[derive(Debug, Clone, PartialEq, Default)]
+enum Spread {
+    #[default]
+    None,
+    Deviation(f64),
+    Interval(f64, f64),
+    /// The values of single runs, too few for an interval.
+    Runs(Vec<f64>),
 }
 
 /// Shown in place of a missing value.
@@ -50,6 +70,52 @@ const NONE: &str = "–";
 const RARE: f64 = 0.005;
 
 impl Value {
+    pub fn text(words: impl Into<String>) -> Self {
+        Self::Text(words.into(), Mark::Plain)
+    }
+
+    pub fn code(words: impl Into<String>) -> Self {
+        Self::Text(words.into(), Mark::Code)
+    }
+
+    pub fn warning(words: impl Into<String>) -> Self {
+        Self::Text(words.into(), Mark::Warning)
+    }
+
+    /// The name of a failure.
+    pub fn failure(name: impl Into<String>) -> Self {
+        Self::Text(name.into(), Mark::Failure)
+    }
+
+    /// A missing value.
+    pub fn none() -> Self {
+        Self::Number(Number::default())
+    }
+
+    pub fn number(value: Option<f64>, digits: usize) -> Self {
+        Self::Number(Number { value, digits: Some(digits), ..Number::default() })
+    }
+
+    /// The ends of an interval alone.
+    pub fn interval(ends: Option<(f64, f64)>) -> Self {
+        Self::Number(Number { spread: Spread::of(ends), digits: Some(2), ..Number::default() })
+    }
+
+    /// A number with its interval, and their number of digits after the point.
+    pub fn estimate(value: Option<f64>, ends: Option<(f64, f64)>, digits: usize) -> Self {
+        Self::Number(Number { value, spread: Spread::of(value.and(ends)), digits: Some(digits), ..Number::default() })
+    }
+
+    /// A difference with its interval.
+    pub fn difference(value: Option<f64>, ends: Option<(f64, f64)>) -> Self {
+        Self::Number(Number { value, spread: Spread::of(value.and(ends)), digits: None, is_signed: true })
+    }
+
+    /// The values of single runs, their number of digits after the point, and whether they are differences with a sign.
+    pub fn runs(values: Vec<f64>, digits: usize, is_signed: bool) -> Self {
+        Self::Number(Number { value: None, spread: Spread::Runs(values), digits: Some(digits), is_signed })
+    }
+
     /// A rate with its interval; the number of `whole` episodes and the upper end of the interval if the rate is too small for two digits.
     pub fn share(cell: &Cell, metric: &Metric) -> Self {
         Self::rate(&cell.rate(metric), cell.part(metric), cell.whole(metric))
@@ -61,9 +127,9 @@ impl Value {
             // Rounded up: it is a bound.
             let (digits, steps) = if high < 0.01 { (4, 1e4) } else { (2, 1e2) };
             let bound = (high * steps).ceil() / steps;
-            return Self::Text(format!("{part} of {whole} (below {bound:.digits$})"));
+            return format!("{part} of {whole} (below {bound:.digits$})").into();
         }
-        Self::or_count(Self::Estimate(rate.value, rate.interval, 2), rate.value, part, whole)
+        Self::or_count(Self::estimate(rate.value, rate.interval, 2), rate.value, part, whole)
     }
 
     /// A rate with its standard deviation; the number of `whole` episodes if the rate is too small for two digits.
@@ -83,14 +149,46 @@ impl Value {
     /// A mean over runs with its interval; of two or three runs the single values.
     pub fn average(rate: &Rate, digits: usize) -> Self {
         match (rate.interval, rate.by_run.len()) {
-            (None, 2..) => Self::Runs(rate.by_run.clone(), digits, false),
-            (interval, _) => Self::Estimate(rate.value, interval, digits),
+            (None, 2..) => Self::runs(rate.by_run.clone(), digits, false),
+            (interval, _) => Self::estimate(rate.value, interval, digits),
+        }
+    }
+}
+
+impl Spread {
+    fn of(ends: Option<(f64, f64)>) -> Self {
+        ends.map_or(Self::None, |(low, high)| Self::Interval(low, high))
+    }
+}
+
+impl Number {
+    /// A number with its digits and its sign; a large one in powers of ten, unless the digits are stated.
+    fn text(&self, number: f64) -> String {
+        let digits = match (self.digits, &self.spread) {
+            (Some(digits), _) => digits,
+            (None, Spread::Interval(low, high)) => digits(high - low),
+            (None, _) => 2,
+        };
+        match self.is_signed {
+            true => format!("{number:+.digits$}"),
+            false if self.digits.is_none() && number.abs() >= 1e5 => format!("{number:.2e}"),
+            false => format!("{number:.digits$}"),
+        }
+    }
+
+    /// The number and the ends of its interval; `None` without both. Runs that are all equal, as those of deterministic controllers, show no spread.
+    pub(super) fn with_ends(&self) -> Option<(String, String)> {
+        match (self.value, &self.spread) {
+            (Some(value), Spread::Interval(low, high)) if low != high || self.is_signed => {
+                Some((self.text(value), format!("{}..{}", self.text(*low), self.text(*high))))
+            }
+            _ => None,
         }
     }
 }
 
 /// The digits after the point that show the ends of an interval of this width apart.
-pub(super) fn digits(width: f64) -> usize {
+fn digits(width: f64) -> usize {
     match width {
         0.000_1..0.005 => 4,
         0.005..0.05 => 3,
@@ -98,83 +196,66 @@ pub(super) fn digits(width: f64) -> usize {
     }
 }
 
-/// A number to two digits, a large one in powers of ten.
-fn short(number: f64) -> String {
-    if number.abs() < 1e5 { format!("{number:.2}") } else { format!("{number:.2e}") }
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((number, ends)) = self.with_ends() {
+            return write!(f, "{number} ({ends})");
+        }
+        match (self.value, &self.spread) {
+            (_, Spread::Runs(values)) => {
+                let each: Vec<String> = values.iter().map(|value| self.text(*value)).collect();
+                write!(f, "{} ({} runs)", each.join(" "), values.len())
+            }
+            (Some(value), Spread::None) => f.write_str(&self.text(value)),
+            (Some(value), Spread::Deviation(sd)) => write!(f, "{} ± {}", self.text(value), self.text(*sd)),
+            (Some(value), Spread::Interval(..)) => write!(f, "{} (all alike)", self.text(value)),
+            (None, Spread::Interval(_, high)) if *high < RARE => f.write_str("< 0.01"),
+            (None, Spread::Interval(low, high)) => write!(f, "{}..{}", self.text(*low), self.text(*high)),
+            (None, _) => f.write_str(NONE),
+        }
+    }
 }
 
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Text(text)
-            | Self::Code(text)
-            | Self::Failure(text)
-            | Self::Link(text, _)
-            | Self::Warning(text)
-            | Self::Toned(text, _) => f.write_str(text),
-            Self::Played(value, _) => value.fmt(f),
+            Self::Text(words, _) => f.write_str(words),
             Self::Count(count) => write!(f, "{count}"),
             Self::Of(part, whole) => write!(f, "{part} of {whole}"),
             Self::Times(runs, each) => write!(f, "{runs} × {each}"),
-            Self::Number(Some(number), digits) => write!(f, "{number:.digits$}"),
-            Self::Spread(Some(mean), None) => f.write_str(&short(*mean)),
-            Self::Spread(Some(mean), Some(sd)) => write!(f, "{} ± {}", short(*mean), short(*sd)),
-            Self::Interval(Some((_, high))) if *high < RARE => f.write_str("< 0.01"),
-            Self::Interval(Some((low, high))) => write!(f, "{low:.2}..{high:.2}"),
-            Self::Estimate(Some(number), None, digits) => write!(f, "{number:.digits$}"),
-            // Runs that are all equal, as those of deterministic controllers, show no spread.
-            Self::Estimate(Some(number), Some((low, high)), digits) if low == high => {
-                write!(f, "{number:.digits$} (all alike)")
-            }
-            Self::Estimate(Some(number), Some((low, high)), digits) => {
-                write!(f, "{number:.digits$} ({low:.digits$}..{high:.digits$})")
-            }
-            Self::Difference(Some(number), None) => write!(f, "{number:+.2}"),
-            Self::Difference(Some(number), Some((low, high))) => {
-                let digits = digits(high - low);
-                write!(f, "{number:+.digits$} ({low:+.digits$}..{high:+.digits$})")
-            }
-            Self::Runs(values, digits, signed) => {
-                let value =
-                    |value: &f64| if *signed { format!("{value:+.digits$}") } else { format!("{value:.digits$}") };
-                let each: Vec<String> = values.iter().map(value).collect();
-                write!(f, "{} ({} runs)", each.join(" "), values.len())
-            }
             Self::Percent(share) => write!(f, "{:.0} %", 100.0 * share),
+            Self::Number(number) => number.fmt(f),
+            Self::Played(value, _) => value.fmt(f),
             Self::Change(before, after) => write!(f, "{before} → {after}"),
             Self::Lines(lines) => {
                 let texts: Vec<String> = lines.iter().map(Self::to_string).collect();
                 f.write_str(&texts.join("; "))
             }
-            Self::Number(None, _)
-            | Self::Spread(None, _)
-            | Self::Interval(None)
-            | Self::Estimate(None, ..)
-            | Self::Difference(None, _) => f.write_str(NONE),
         }
     }
 }
 
 impl From<&str> for Value {
-    fn from(text: &str) -> Self {
-        Self::Text(text.into())
+    fn from(words: &str) -> Self {
+        Self::text(words)
     }
 }
 
 impl From<&String> for Value {
-    fn from(text: &String) -> Self {
-        Self::Text(text.clone())
+    fn from(words: &String) -> Self {
+        Self::text(words)
     }
 }
 
 impl From<String> for Value {
-    fn from(text: String) -> Self {
-        Self::Text(text)
+    fn from(words: String) -> Self {
+        Self::text(words)
     }
 }
 
 impl From<&Rate> for Value {
     fn from(rate: &Rate) -> Self {
-        Self::Spread(rate.value, rate.sd)
+        let spread = rate.sd.map_or(Spread::None, Spread::Deviation);
+        Self::Number(Number { value: rate.value, spread, ..Number::default() })
     }
 }
