@@ -1,7 +1,7 @@
 use super::Row;
 use super::picture::pictures;
 use crate::report::Findings;
-use crate::report::table::{Column, Place, Section, Table, Value};
+use crate::report::table::{Column, Place, Section, Selection, Table, Value};
 
 /// What covers show: a row for each driver and town; `None` without a cover.
 pub fn covers(found: &Findings<'_>) -> Option<Section> {
@@ -57,46 +57,30 @@ pub fn percent_above(share: f64) -> String {
 }
 
 fn table(rows: &[Row<'_>]) -> Table {
-    let head = vec![
-        Column::text("driver"),
-        Column::text("town"),
-        Column::text("box"),
-        Column::text("pedestrian").detail(),
-        Column::text("counts").page_only(),
-        Column::text("not shown: at most"),
-        Column::text("worse than shown").page_only(),
-        Column::text("better than shown").detail(),
-        Column::number("shown as failing"),
-        Column::number("never braking"),
-        Column::number("failures"),
-        Column::number("episodes"),
-        Column::number("checks").detail(),
-    ];
-    let row = |(cover, found): &Row<'_>| {
-        let none = || Value::from("–");
-        let (coverage, look) = (&found.coverage, found.coverage.best());
-        let bound = match found.bound().map(percent_above) {
-            Some(bound) if found.is_covered(cover) => bound.into(),
-            Some(bound) => Value::warning(format!("{bound}, asked {}", percent_above(cover.epsilon))),
-            None => none(),
-        };
-        vec![
-            Value::from(&cover.policy),
-            Value::from(&cover.town),
-            format!("{}: {}", cover.spawn, cover.parameter_names().join(", ")).into(),
-            Value::from(&cover.pedestrian),
-            Value::from(cover.failure_name()),
-            bound,
-            look.map_or_else(none, |look| Value::Of(look.worse, look.points)),
-            look.map_or_else(none, |look| Value::Of(look.better, look.points)),
-            found.shown.map_or_else(none, Value::Percent),
-            Value::Percent(found.unbraked_share()),
-            Value::Count(coverage.failures()),
-            Value::Count(coverage.points.len() as u64),
-            Value::Count(coverage.looks.len() as u64),
-        ]
-    };
-    Table { place: Place::Everywhere, head, rows: rows.iter().map(row).collect(), ..Table::default() }
+    let shown = Selection::new()
+        .text("driver", |(cover, _): &Row<'_>| cover.policy.clone())
+        .text("town", |(cover, _)| cover.town.clone())
+        .text("box", |(cover, _)| format!("{}: {}", cover.spawn, cover.parameter_names().join(", ")))
+        .column(Column::text("pedestrian").detail(), |(cover, _)| cover.pedestrian.clone())
+        .column(Column::text("counts").page_only(), |(cover, _)| Value::text(cover.failure_name()))
+        .text("not shown: at most", |(cover, found)| match found.bound().map(percent_above) {
+            Some(bound) if !found.is_covered(cover) => {
+                Value::warning(format!("{bound}, asked {}", percent_above(cover.epsilon)))
+            }
+            bound => bound.into(),
+        })
+        .column(Column::text("worse than shown").page_only(), |(_, found)| {
+            found.coverage.best().map(|look| Value::Of(look.worse, look.points))
+        })
+        .column(Column::text("better than shown").detail(), |(_, found)| {
+            found.coverage.best().map(|look| Value::Of(look.better, look.points))
+        })
+        .number("shown as failing", |(_, found)| found.shown.map(Value::Percent))
+        .number("never braking", |(_, found)| Value::Percent(found.unbraked_share()))
+        .number("failures", |(_, found)| found.coverage.failures())
+        .number("episodes", |(_, found)| found.coverage.points.len())
+        .column(Column::number("checks").detail(), |(_, found)| found.coverage.looks.len());
+    Table { place: Place::Everywhere, ..shown.table(rows) }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 use super::picture::likelihoods;
 use super::table::doubts;
 use crate::report::Findings;
-use crate::report::table::{Column, Place, Section, Table, Value};
+use crate::report::table::{Column, Place, Section, Selection, Table, Value};
 use compile::Estimation;
 use search::likelihood::{Estimate, Likelihood, encounters_needed};
 use verdict::Blame;
@@ -31,33 +31,28 @@ pub fn estimates(found: &Findings<'_>) -> Option<Section> {
 }
 
 fn table(results: &[(&Estimation, &Estimate)]) -> Table {
-    let texts = ["driver", "town", "pedestrian"].map(Column::text);
-    let events = ["any failure", "preventable", "fault"].map(Column::number);
-    let numbers = ["encounters"].map(Column::number);
     let exposed = [(0, "faults per hour"), (1, "faults per 1,000 km")];
     let exposed = exposed.into_iter().filter(|(unit, _)| results.iter().any(|(job, _)| job.exposure[*unit].is_some()));
-    let exposed: Vec<(usize, &str)> = exposed.collect();
-    let mut head: Vec<Column> = texts.into_iter().chain(events).chain(numbers).collect();
-    head.extend(exposed.iter().map(|(_, name)| Column::number(*name)));
-    head.push(Column::text("doubts"));
-    let row = |(job, estimate): &(&Estimation, &Estimate)| {
-        let Estimation { pedestrian, requirement, town, policy, exposure, .. } = job;
-        let who = if requirement.is_empty() { pedestrian.clone() } else { format!("{pedestrian} ({requirement})") };
-        let mut row: Vec<Value> = vec![Value::from(policy), Value::from(town), who.into()];
-        row.extend(Blame::ALL.iter().map(|event| Value::text(one_in(estimate.of(*event)))));
-        let fault = estimate.of(Blame::Fault);
-        row.push(Value::Count(estimate.encounters));
-        row.extend(exposed.iter().map(|(unit, _)| match exposure[*unit] {
-            Some(encounters) => Value::text(rate(fault, encounters)),
-            None => Value::none(),
-        }));
-        row.push(match doubts(job, estimate).as_slice() {
-            [] => Value::from("none"),
+    let events = ["any failure", "preventable", "fault"].into_iter().zip(Blame::ALL);
+    let shown = Selection::new()
+        .text("driver", |(job, _): &(&Estimation, &Estimate)| job.policy.clone())
+        .text("town", |(job, _)| job.town.clone())
+        .text("pedestrian", |(Estimation { pedestrian, requirement, .. }, _)| match requirement.is_empty() {
+            true => pedestrian.clone(),
+            false => format!("{pedestrian} ({requirement})"),
+        })
+        .each(events, |(name, _)| Column::number(*name), |(_, event), (_, found)| one_in(found.of(*event)))
+        .number("encounters", |(_, found)| found.encounters)
+        .each(
+            exposed,
+            |(_, name)| Column::number(*name),
+            |(unit, _), (job, found)| Some(rate(found.of(Blame::Fault), job.exposure[*unit]?)),
+        )
+        .text("doubts", |(job, found)| match doubts(job, found).as_slice() {
+            [] => "none".into(),
             doubts => Value::warning(doubts.join("; ")),
         });
-        row
-    };
-    Table { place: Place::Everywhere, head, rows: results.iter().map(row).collect(), ..Table::default() }
+    Table { place: Place::Everywhere, ..shown.table(results) }
 }
 
 /// How many encounters a wanted bound needs.

@@ -1,9 +1,10 @@
 use super::{Row, Totals, lost_progress};
 use crate::report::Findings;
-use crate::report::table::{Column, Place, Section, Table, Value};
+use crate::report::table::{Column, Place, Section, Selection, Table, Value};
 use base::signature::short;
 use base::statistics::wilson;
 use compile::Planned;
+use world::hardening::{Round, Tested};
 
 /// What hardenings changed: a row for each driver and run, and each test; `None` without any.
 pub fn hardened(found: &Findings<'_>) -> Option<Section> {
@@ -27,103 +28,60 @@ pub fn hardened(found: &Findings<'_>) -> Option<Section> {
     })
 }
 
-fn percent(share: Option<f64>) -> Value {
-    share.map_or_else(|| Value::from("–"), Value::Percent)
+/// The driver and the run.
+fn jobs<'a>() -> Selection<'a, Row<'a>> {
+    Selection::new()
+        .text("driver", |(job, _): &Row<'_>| job.written.name.clone())
+        .number("run", |(job, _)| job.origin.run)
 }
 
 fn summary(rows: &[Row<'_>]) -> Table {
-    let head = vec![
-        Column::text("driver"),
-        Column::number("run"),
-        Column::text("keys").page_only(),
-        Column::number("faults before"),
-        Column::number("after"),
-        Column::number("new"),
-        Column::number("starts"),
-        Column::number("progress lost"),
-        Column::number("hard braking before"),
-        Column::number("after"),
-    ];
-    let row = |(job, found): &Row<'_>| {
-        let totals = Totals::of(found);
+    let keys = |(job, found): &Row<'_>| {
         let keys = job.hardening.driver.keys.iter().zip(&found.values).zip(&job.written.varied);
-        let keys: Vec<String> = keys
-            .map(|((key, after), varied)| {
-                format!("{} {} → {} {}", key.name, short(key.before), short(*after), varied.unit())
-                    .trim_end()
-                    .to_string()
-            })
-            .collect();
-        let [before, after] = &found.traffic;
-        vec![
-            Value::from(&job.written.name),
-            Value::Count(job.origin.run.into()),
-            keys.join(", ").into(),
-            Value::Count(totals.before),
-            Value::Count(totals.after),
-            Value::Count(totals.new),
-            Value::Count(totals.starts),
-            percent(lost_progress(&found.traffic)),
-            percent(before.braking_rate()),
-            percent(after.braking_rate()),
-        ]
+        let key = keys.map(|((key, after), varied)| {
+            format!("{} {} → {} {}", key.name, short(key.before), short(*after), varied.unit()).trim_end().to_string()
+        });
+        key.collect::<Vec<_>>().join(", ")
     };
-    Table { place: Place::Everywhere, head, rows: rows.iter().map(row).collect(), ..Table::default() }
+    let shown = jobs()
+        .column(Column::text("keys").page_only(), keys)
+        .number("faults before", |(_, found)| Totals::of(found).before)
+        .number("after", |(_, found)| Totals::of(found).after)
+        .number("new", |(_, found)| Totals::of(found).new)
+        .number("starts", |(_, found)| Totals::of(found).starts)
+        .number("progress lost", |(_, found)| lost_progress(&found.traffic).map(Value::Percent))
+        .number("hard braking before", |(_, found)| found.traffic[0].braking_rate().map(Value::Percent))
+        .number("after", |(_, found)| found.traffic[1].braking_rate().map(Value::Percent));
+    Table { place: Place::Everywhere, ..shown.table(rows) }
 }
 
 fn tests(rows: &[Row<'_>]) -> Table {
-    let head = vec![
-        Column::text("driver"),
-        Column::number("run"),
-        Column::text("town"),
-        Column::text("attacked by"),
-        Column::text("faults before"),
-        Column::text("after"),
-        Column::text("95 % interval after"),
-        Column::number("new"),
-    ];
-    let rows = rows.iter().flat_map(|(job, found)| {
-        found.tests.iter().map(move |test| {
+    let tests: Vec<(Row<'_>, &Tested)> =
+        rows.iter().flat_map(|row| row.1.tests.iter().map(|test| (*row, test))).collect();
+    let shown = jobs()
+        .of(|row: &(Row<'_>, &Tested)| &row.0)
+        .text("town", |(_, test)| test.town.clone())
+        .text("attacked by", |(_, test)| test.attacker.clone())
+        .text("faults before", |(_, test)| Value::Of(test.before, test.starts))
+        .text("after", |(_, test)| Value::Of(test.after, test.starts))
+        .text("95 % interval after", |(_, test)| {
             let (low, high) = wilson(test.after, test.starts);
-            vec![
-                Value::from(&job.written.name),
-                Value::Count(job.origin.run.into()),
-                Value::from(&test.town),
-                Value::from(&test.attacker),
-                Value::Of(test.before, test.starts),
-                Value::Of(test.after, test.starts),
-                format!("{:.1} to {:.1} %", 100.0 * low, 100.0 * high).into(),
-                Value::Count(test.new),
-            ]
+            format!("{:.1} to {:.1} %", 100.0 * low, 100.0 * high)
         })
-    });
-    Table { head, rows: rows.collect(), ..Table::default() }
+        .number("new", |(_, test)| test.new);
+    shown.table(&tests)
 }
 
 fn rounds(rows: &[Row<'_>]) -> Table {
-    let head = vec![
-        Column::text("driver"),
-        Column::number("run"),
-        Column::number("round"),
-        Column::text("starts with a fault in the attack"),
-        Column::number("failures kept"),
-        Column::text("faults of the original in all kept"),
-        Column::text("after the repair"),
-        Column::text("candidates within the limits"),
-    ];
-    let rows = rows.iter().flat_map(|(job, found)| {
-        (1..).zip(&found.rounds).map(move |(number, round)| {
-            vec![
-                Value::from(&job.written.name),
-                Value::Count(job.origin.run.into()),
-                Value::Count(number),
-                Value::Of(round.faulty, round.attacked),
-                Value::Count(round.kept),
-                Value::Of(round.faults_before, round.starts),
-                Value::Of(round.faults_after, round.starts),
-                Value::Of(round.within, round.candidates),
-            ]
-        })
-    });
-    Table { head, rows: rows.collect(), ..Table::default() }
+    let rounds = rows.iter().flat_map(|row| (1_u64..).zip(&row.1.rounds).map(|(number, round)| (*row, number, round)));
+    let rounds: Vec<(Row<'_>, u64, &Round)> = rounds.collect();
+    let shown = jobs()
+        .of(|row: &(Row<'_>, u64, &Round)| &row.0)
+        .number("round", |(_, number, _)| *number)
+        .text("starts with a fault in the attack", |(.., round)| Value::Of(round.faulty, round.attacked))
+        .number("failures kept", |(.., round)| round.kept)
+        .text("faults of the original in all kept", |(.., round)| Value::Of(round.faults_before, round.starts))
+        .text("after the repair", |(.., round)| Value::Of(round.faults_after, round.starts))
+        .text("candidates within the limits", |(.., round)| Value::Of(round.within, round.candidates));
+    shown.table(&rounds)
 }

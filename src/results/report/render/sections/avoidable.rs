@@ -1,12 +1,12 @@
-use super::names::{head, names};
+use super::names::names;
 use crate::report::Findings;
 use crate::report::render::page::{named, verdicts};
-use crate::report::render::table::{Column, Depth, Section, Table, Value};
-use crate::tables::Cell;
+use crate::report::render::table::{Column, Depth, Section, Value};
 use crate::tables::metrics::{
-    COLLISIONS, EPISODES, EXPECTED_PREVENTABLE, FAULT_RATE, FORESEEABLE_COLLISIONS, LABELLED, PREVENTABLE_RATE,
-    PREVENTABLE_SHARE, WALKED_INTO_COLLISIONS,
+    COLLISIONS, EPISODES, EXPECTED_PREVENTABLE, FAULT_RATE, FORESEEABLE_COLLISIONS, LABELLED, PREVENTABLE_COLLISIONS,
+    PREVENTABLE_RATE, PREVENTABLE_SHARE, WALKED_INTO_COLLISIONS,
 };
+use crate::tables::{Cell, Metric};
 
 /// How to read the table.
 const READING: [&str; 4] = [
@@ -35,52 +35,44 @@ const READING: [&str; 4] = [
 /// Which collisions reference drivers avoid; `None` without a collision.
 pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
     let cells = &found.cells;
-    if cells.iter().all(|cell| cell.count(&COLLISIONS) == 0) {
+    let hit: Vec<&Cell> = cells.iter().filter(|cell| cell.count(&COLLISIONS) > 0).collect();
+    if hit.is_empty() {
         return None;
     }
-    let mut columns = head();
-    let names_of_shares =
-        ["preventable (95 %)", "contested", "machine preventable", "unpreventable", "into the side", "foreseeable"];
-    columns.extend(
-        ["collisions", "preventable, of all episodes", "95 %", "fault, of all episodes", "95 %", "expected"]
-            .map(Column::number),
-    );
+    let share = |cell: &Cell, count: &Metric| Some(f64::from(cell.count(count)) / f64::from(cell.count(&COLLISIONS)));
+    let [_, contested, machine_preventable, unpreventable, _] = LABELLED;
     // The figure shows these shares; their numbers are folded on the page.
-    columns.extend(names_of_shares.map(|name| Column::number(name).detail()));
-    let row = |cell: &Cell| {
-        let share = |count: u32| Some(f64::from(count) / f64::from(cell.count(&COLLISIONS)));
-        let [preventable, others @ .., _bumps] = LABELLED.map(|metric| cell.count(metric));
-        let mut row = names(cell, cells);
-        row.extend([
-            Value::Of(cell.count(&COLLISIONS).into(), cell.count(&EPISODES).into()),
-            Value::spread(cell, &PREVENTABLE_RATE),
-            Value::interval(cell.rate(&PREVENTABLE_RATE).interval),
-            Value::spread(cell, &FAULT_RATE),
-            Value::interval(cell.rate(&FAULT_RATE).interval),
-            (&cell.rate(&EXPECTED_PREVENTABLE)).into(),
-            Value::or_count(
-                Value::estimate(share(preventable), cell.rate(&PREVENTABLE_SHARE).interval, 2),
-                share(preventable),
-                preventable,
-                cell.count(&COLLISIONS),
-            ),
-        ]);
-        row.extend(
-            others
-                .into_iter()
-                .chain([cell.count(&WALKED_INTO_COLLISIONS), cell.count(&FORESEEABLE_COLLISIONS)])
-                .map(|count| Value::number(share(count), 2)),
+    let shares = [
+        ("contested", contested),
+        ("machine preventable", machine_preventable),
+        ("unpreventable", unpreventable),
+        ("into the side", &WALKED_INTO_COLLISIONS),
+        ("foreseeable", &FORESEEABLE_COLLISIONS),
+    ];
+    let shown = names(cells)
+        .number("collisions", |cell| Value::Of(cell.count(&COLLISIONS).into(), cell.count(&EPISODES).into()))
+        .number("preventable, of all episodes", |cell| Value::spread(cell, &PREVENTABLE_RATE))
+        .number("95 %", |cell| Value::interval(cell.rate(&PREVENTABLE_RATE).interval))
+        .number("fault, of all episodes", |cell| Value::spread(cell, &FAULT_RATE))
+        .number("95 %", |cell| Value::interval(cell.rate(&FAULT_RATE).interval))
+        .metric(Column::number("expected"), &EXPECTED_PREVENTABLE)
+        .column(Column::number("preventable (95 %)").detail(), |cell| {
+            let (part, whole) = (cell.count(&PREVENTABLE_COLLISIONS), cell.count(&COLLISIONS));
+            let value = share(cell, &PREVENTABLE_COLLISIONS);
+            Value::or_count(Value::estimate(value, cell.rate(&PREVENTABLE_SHARE).interval, 2), value, part, whole)
+        })
+        .each(
+            shares,
+            |(name, _)| Column::number(*name).detail(),
+            |(_, count), cell| Value::number(share(cell, count), 2),
         );
-        row
-    };
-    let rows = cells.iter().filter(|cell| cell.count(&COLLISIONS) > 0).map(row).collect();
     Some(Section {
         id: "avoidable",
         name: "Avoidable?",
         title: "Would a careful driver have avoided the collisions?",
         depth: Depth::Page,
         figures: verdicts(&named(cells)).into_iter().collect(),
-        tables: vec![Table { head: columns, rows, ..Table::default() }],
+        tables: vec![shown.table(hit)],
         notes: READING.map(String::from).into(),
         ..Section::default()
     })

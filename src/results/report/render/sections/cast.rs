@@ -1,36 +1,26 @@
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::grouped::grouped;
+use crate::report::render::table::{Section, Selection, Value};
 use crate::report::{CastFailure, Findings};
 use verdict::cause::needed_names;
 
 /// Which actors the listed failures need; `None` of a campaign without a cast or without a failure.
 pub fn cast(found: &Findings<'_>) -> Option<Section> {
-    let mut groups: Vec<(String, Vec<&CastFailure>)> = Vec::new();
-    for each in &found.cast_failures {
-        let names = needed_names(&each.needs);
-        match groups.iter_mut().find(|(known, _)| *known == names) {
-            Some((_, members)) => members.push(each),
-            None => groups.push((names, vec![each])),
-        }
-    }
-    groups.sort_by_key(|(_, members)| std::cmp::Reverse(members.len()));
-    let faults = |members: &[&CastFailure]| members.iter().filter(|each| each.failure.fault).count() as u64;
-    let row = |(names, members): &(String, Vec<&CastFailure>)| {
-        vec![
-            if names.is_empty() { "none of them alone".into() } else { Value::text(names.clone()) },
-            Value::Count(members.len() as u64),
-            Value::Count(faults(members)),
-            Value::failure(members[0].failure.name()),
-        ]
-    };
-    let mut head = vec![Column::text("needs")];
-    head.extend(["failures", "faults"].map(Column::number));
-    head.push(Column::text("the first"));
+    let mut groups = grouped(&found.cast_failures, |each| needed_names(&each.needs));
+    groups.sort_by_key(|members| std::cmp::Reverse(members.len()));
+    let shown = Selection::new()
+        .text("needs", |members: &Vec<&CastFailure>| match needed_names(&members[0].needs) {
+            names if names.is_empty() => "none of them alone".into(),
+            names => names,
+        })
+        .number("failures", Vec::len)
+        .number("faults", |members| members.iter().filter(|each| each.failure.fault).count())
+        .text("the first", |members| Value::failure(members[0].failure.name()));
     (!groups.is_empty()).then(|| Section {
         id: "cast",
         name: "Actors",
         title: "Which actors failures need",
         lead: vec![share_of_two(&found.cast_failures)],
-        tables: vec![Table { head, rows: groups.iter().map(row).collect(), ..Table::default() }],
+        tables: vec![shown.table(&groups)],
         notes: vec![
             "Each failure of the list was run again without each of the other actors in turn, with the same random numbers; it needs those without which it does \
              not happen. The table `actors` has where they were."

@@ -1,11 +1,9 @@
 use std::collections::BTreeSet;
 
+use super::search_pairs::{first_pairs, probability};
 use crate::record::CellKey;
-use crate::report::render::table::{Column, Depth, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Section, Selection, Table, Value};
 use crate::report::{Comparison, Findings, Test};
-
-/// Maximum number of rows of drivers on a page; the file of the table has all.
-const MAX_DRIVERS: usize = 60;
 
 /// Comparisons of pedestrians and of drivers with the same starts; `None` without any pair.
 pub fn comparisons(found: &Findings<'_>) -> Option<Section> {
@@ -43,37 +41,39 @@ fn table(title: &str, found: &[&Comparison]) -> Table {
     let trainings: BTreeSet<(&str, &str)> =
         found.iter().map(|found| (found.first.train_town.as_str(), found.first.train_policy.as_str())).collect();
     let several = trainings.iter().filter(|training| !training.0.is_empty()).count() > 1;
-    let mut head: Vec<Column> = ["pedestrian", "place", "less"].map(Column::text).into();
-    head.extend(["collisions", "preventable", "fault"].map(|rate| Column::number(format!("{rate} (95 %), p"))));
-    let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
-    for found in found {
-        let names = names(found, several);
-        let difference = Value::Lines(difference(found).into_iter().chain([Value::text(probability(found))]).collect());
-        // The rates of a pair are consecutive.
-        match rows.last_mut().filter(|row| row.starts_with(&names) && row.len() < columns) {
-            Some(row) => row.push(difference),
-            None => rows.push(names.into_iter().chain([difference]).collect()),
-        }
-    }
-    rows.iter_mut().for_each(|row| row.resize(columns, Value::none()));
-    let all = rows.len();
-    let shown = if found.iter().any(|found| found.is_of_drivers()) { MAX_DRIVERS } else { all };
-    rows.truncate(shown);
-    let left = (all > shown).then(|| format!("The first {shown} of {all} pairs; `comparisons.csv` has all."));
-    Table { title: title.into(), head, rows, notes: left.into_iter().collect(), ..Table::default() }
+    // The rates of a pair are consecutive.
+    let pairs = found.chunk_by(|one, next| (&one.first, &one.second) == (&next.first, &next.second));
+    let pairs: Vec<&[&Comparison]> = pairs.collect();
+    let shown = Selection::new()
+        .text("pedestrian", |pair: &&[&Comparison]| {
+            let first = &pair[0].first;
+            let training = match first.is_trained() && several {
+                true => format!(" ({}, {})", first.train_town, first.train_policy),
+                false => String::new(),
+            };
+            format!("{}{training}", who(first))
+        })
+        .text("place", |pair| format!("{} · {}", pair[0].first.town, pair[0].first.policy))
+        .text("less", |pair| {
+            let second = &pair[0].second;
+            if pair[0].is_of_drivers() { second.policy.clone() } else { who(second) }
+        })
+        .each(
+            ["collisions", "preventable", "fault"].into_iter().enumerate(),
+            |(_, rate)| Column::number(format!("{rate} (95 %), p")),
+            |(number, _), pair| {
+                let found = pair.get(*number)?;
+                let mark = if found.test == Test::McNemar { "¹" } else { "" };
+                let p = format!("{}{mark}", probability(found.holm)).into();
+                Some(Value::Lines(difference(found).into_iter().chain([p]).collect()))
+            },
+        );
+    let table = Table { title: title.into(), ..shown.table(&pairs) };
+    if found.iter().any(|found| found.is_of_drivers()) { first_pairs(table) } else { table }
 }
 
-fn names(found: &Comparison, several_trainings: bool) -> Vec<Value> {
-    let (first, second) = (&found.first, &found.second);
-    let who = |key: &CellKey| {
-        if key.is_of_reward() { format!("{}, {}", key.controller, key.reward) } else { key.controller.clone() }
-    };
-    let training = match first.is_trained() && several_trainings {
-        true => format!(" ({}, {})", first.train_town, first.train_policy),
-        false => String::new(),
-    };
-    let other = if found.is_of_drivers() { second.policy.clone() } else { who(second) };
-    vec![format!("{}{training}", who(first)).into(), format!("{} · {}", first.town, first.policy).into(), other.into()]
+fn who(key: &CellKey) -> String {
+    if key.is_of_reward() { format!("{}, {}", key.controller, key.reward) } else { key.controller.clone() }
 }
 
 /// The difference with its interval; with too few runs for one, the values of the single runs.
@@ -90,13 +90,4 @@ fn difference(found: &Comparison) -> Vec<Value> {
         return vec![Value::runs(first.clone(), 2, true)];
     }
     vec![runs(first), Value::text(format!("less {}", runs(second)))]
-}
-
-fn probability(found: &Comparison) -> String {
-    let mark = if found.test == Test::McNemar { "¹" } else { "" };
-    match found.holm {
-        None => format!("no test{mark}"),
-        Some(p) if p < 0.001 => format!("p < 0.001{mark}"),
-        Some(p) => format!("p = {p:.3}{mark}"),
-    }
 }

@@ -1,9 +1,9 @@
 use super::names::{place, who};
 use super::{FAULT, Scale};
-use crate::report::render::table::{Column, Place, Section, Table, Value};
-use crate::report::{DriverResult, Findings};
+use crate::report::render::table::{Column, Place, Section, Selection, Table, Value};
+use crate::report::{DriverResult, Findings, SearchFailures};
 use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
-use crate::tables::{Cell, Cells, Metric};
+use crate::tables::{Cell, Cells};
 
 /// How to read the table.
 const READING: &str = "Own drivers lead, baselines come last; then the order is that of *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
@@ -44,73 +44,50 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
     let injured = results.iter().any(|result| injury(result, cells).is_some());
-    let injuries = std::iter::once("avoidable injury / 1,000".into()).chain(scale.head()).filter(|_| injured);
-    let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
-    if evaluated {
-        // A terminal has no room for what is the same everywhere.
-        let settings =
-            |result: &&DriverResult| cells.iter().filter(|cell| cell.key.policy == result.driver.name).count();
-        let setting = Column::text("where that is");
-        let setting = if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() };
-        head.push(Column::number("n").page_only());
-        head.extend(injuries.clone().map(|name| Column::number(name).page_only()));
-        head.push(Column::number("fault (95 %)"));
-        head.push(setting);
-        head.push(Column::number("preventable (95 %)").page_only());
-        // The setting is that of the most avoidable injury, and others may have more collisions: the page says so beside it.
-        head.push(Column::number("collision (95 %)").page_only());
-    }
-    if searched {
-        // A terminal shows the searches in a table of their own.
-        let found = Column::text("found by searches");
-        if !evaluated {
-            head.extend(injuries.map(Column::number));
-        }
-        head.push(if evaluated { found.page_only() } else { found });
-    }
-    let of_injury = |result: &DriverResult| {
-        let share = scale.head().map(|_| Value::number(scale.injury_of(result), 2));
-        [Value::number(injury(result, cells), 2)].into_iter().chain(share).filter(|_| injured)
-    };
-    let row = |result: &&DriverResult| {
-        let mut row = vec![
-            Value::from(&result.driver.name),
-            result.worst_in_words().into(),
-            result.worst.as_ref().map_or_else(|| "–".into(), |worst| Value::failure(worst.name())),
-        ];
-        let cell = result.cell.map(|cell| &cells[cell]);
-        if evaluated {
-            row.push(cell.map_or(Value::none(), |cell| Value::Count(cell.count(&EPISODES).into())));
-            row.extend(of_injury(result));
-            row.extend([
-                share(cell, &FAULT_RATE),
-                cell.map_or(Value::text("–"), |cell| {
-                    format!("{} in {}", who(cell, cells), place(cell, cells)).into()
-                }),
-                share(cell, &PREVENTABLE_RATE),
-                share(cell, &COLLISION_RATE),
-            ]);
-        }
-        if searched {
-            if !evaluated {
-                row.extend(of_injury(result));
-            }
-            row.push(match result.searched {
-                Some(found) if found.episodes == 0 => "nothing: not one episode".into(),
-                Some(found) => {
-                    let (fault, preventable) = (found.fault, found.preventable);
-                    let faults = if fault == 1 { "1 fault".into() } else { format!("{fault} faults") };
-                    format!("{} failures: {preventable} preventable, {faults}", found.all).into()
-                }
-                None => Value::text("–"),
-            });
-        }
-        row
-    };
-    Table { place: Place::Everywhere, head, rows: results.iter().map(row).collect(), ..Table::default() }
+    // A terminal has no room for what is the same everywhere, nor beside evaluations for more; it shows the searches in a table of their own.
+    let settings = |result: &&DriverResult| cells.iter().filter(|cell| cell.key.policy == result.driver.name).count();
+    let setting = Column::text("where that is");
+    let setting = if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() };
+    let beside = |column: Column| if evaluated { column.page_only() } else { column };
+    let cell = |result: &DriverResult| result.cell.map(|cell| &cells[cell]);
+    let share = |metric| move |result: &DriverResult| cell(result).map(|cell| Value::share(cell, metric));
+    let shown = Selection::new()
+        .text("driver", |result: &DriverResult| result.driver.name.clone())
+        .text("worst failure", DriverResult::worst_in_words)
+        .column(Column::text("episode").page_only(), |result| {
+            result.worst.as_ref().map(|worst| Value::failure(worst.name()))
+        })
+        .when(evaluated, |shown| {
+            shown.column(Column::number("n").page_only(), |result| cell(result).map(|cell| cell.count(&EPISODES)))
+        })
+        .when(injured, |shown| {
+            let injuries = Column::number("avoidable injury / 1,000");
+            shown.column(beside(injuries), |result| Value::number(injury(result, cells), 2)).each(
+                scale.head(),
+                |name| beside(Column::number(name)),
+                |_, result| Value::number(scale.injury_of(result), 2),
+            )
+        })
+        .when(evaluated, |shown| {
+            let place = |cell| format!("{} in {}", who(cell, cells), place(cell, cells));
+            // The setting is that of the most avoidable injury, and others may have more collisions: the page says so beside it.
+            shown
+                .number("fault (95 %)", share(&FAULT_RATE))
+                .column(setting, move |result| cell(result).map(place))
+                .column(Column::number("preventable (95 %)").page_only(), share(&PREVENTABLE_RATE))
+                .column(Column::number("collision (95 %)").page_only(), share(&COLLISION_RATE))
+        })
+        .when(searched, |shown| {
+            shown.column(beside(Column::text("found by searches")), |result| result.searched.map(found_by_searches))
+        });
+    Table { place: Place::Everywhere, ..shown.table(results.iter().copied()) }
 }
 
-/// A share of a cell with its interval.
-fn share(cell: Option<&Cell>, metric: &Metric) -> Value {
-    cell.map_or(Value::estimate(None, None, 2), |cell| Value::share(cell, metric))
+fn found_by_searches(found: SearchFailures) -> String {
+    let SearchFailures { episodes, all, preventable, fault, .. } = found;
+    match (episodes, fault) {
+        (0, _) => "nothing: not one episode".into(),
+        (_, 1) => format!("{all} failures: {preventable} preventable, 1 fault"),
+        _ => format!("{all} failures: {preventable} preventable, {fault} faults"),
+    }
 }

@@ -1,5 +1,5 @@
 use crate::report::ListedFailure;
-use crate::report::render::table::{Column, Table, Value};
+use crate::report::render::table::{Selection, Value};
 
 /// Failures with the folders of their reports as text for a terminal. When all are of one report, rows have names without its folder.
 pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
@@ -7,33 +7,22 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
     let is_merged = failures.iter().any(|each| each.merged.is_some());
     let has_needs = failures.iter().any(|each| each.failure.needs.is_some());
     let has_worlds = failures.iter().any(|each| each.failure.key.cell.is_elsewhere());
-    let row = |ListedFailure { report, failure, merged, .. }: &ListedFailure| {
-        let name = failure.name();
-        let mut row = vec![
-            Value::code(if one { name } else { report.join(name).display().to_string() }),
-            failure.word().into(),
-            Value::number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1),
-            failure.key.cell.policy.clone().into(),
-            failure.finder().into(),
-            failure.key.cell.town.clone().into(),
-            failure.kind().into(),
-        ];
-        row.extend(has_worlds.then(|| failure.key.cell.simulator().to_owned().into()));
-        row.extend(merged.filter(|_| is_merged).map(Value::Count));
-        row.extend(has_needs.then(|| Value::text(failure.needs.clone().unwrap_or_default())));
-        row
-    };
-    let mut head = vec![
-        Column::text("failure"),
-        Column::text("verdict"),
-        Column::number("m/s"),
-        Column::text("driver"),
-        Column::text("found by"),
-        Column::text("town"),
-        Column::text("kind"),
-    ];
-    head.extend(has_worlds.then(|| Column::text("world")));
-    head.extend(is_merged.then(|| Column::number("merged")));
-    head.extend(has_needs.then(|| Column::text("needs")));
-    Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal(width)
+    let table = Selection::new()
+        .text("failure", |each: &ListedFailure| {
+            let name = each.failure.name();
+            Value::code(if one { name } else { each.report.join(name).display().to_string() })
+        })
+        .text("verdict", |each| each.failure.word())
+        .number("m/s", |ListedFailure { failure, .. }| {
+            Value::number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1)
+        })
+        .text("driver", |each| each.failure.key.cell.policy.clone())
+        .text("found by", |each| each.failure.finder())
+        .text("town", |each| each.failure.key.cell.town.clone())
+        .text("kind", |each| each.failure.kind())
+        .when(has_worlds, |shown| shown.text("world", |each| each.failure.key.cell.simulator().to_owned()))
+        .when(is_merged, |shown| shown.number("merged", |each| each.merged))
+        .when(has_needs, |shown| shown.text("needs", |each| each.failure.needs.clone().unwrap_or_default()))
+        .table(failures);
+    table.to_terminal(width)
 }

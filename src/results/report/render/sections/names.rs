@@ -1,22 +1,17 @@
 use std::fmt::Write;
 
 use crate::record::in_block;
-use crate::report::render::table::{Column, Value};
+use crate::report::render::table::Selection;
 use crate::tables::{Cell, Cells};
 
-/// The columns that name a cell.
-pub fn head() -> Vec<Column> {
-    ["pedestrian", "reward", "trained in, against", "town", "driver"].map(Column::text).into()
-}
-
-pub fn names(cell: &Cell, cells: &Cells) -> Vec<Value> {
-    vec![
-        Value::from(&cell.key.controller),
-        if cell.key.is_of_reward() { Value::from(&cell.key.reward) } else { Value::from("–") },
-        training(cell).into(),
-        place(cell, cells).into(),
-        Value::from(&cell.key.policy),
-    ]
+/// What names a cell.
+pub fn names(cells: &Cells) -> Selection<'_, Cell> {
+    Selection::new()
+        .text("pedestrian", |cell: &Cell| cell.key.controller.clone())
+        .text("reward", |cell| cell.key.is_of_reward().then(|| cell.key.reward.clone()))
+        .text("trained in, against", training)
+        .text("town", |cell| place(cell, cells))
+        .text("driver", |cell| cell.key.policy.clone())
 }
 
 /// The controller of a cell, with what distinguishes it from the others: its reward if it was trained, and its training if there are several.

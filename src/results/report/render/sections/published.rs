@@ -1,4 +1,4 @@
-use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::render::table::{Column, Place, Section, Selection, Table, Value, unique};
 use crate::report::{Findings, PublishedComparison};
 
 /// The most cells in a terminal.
@@ -24,65 +24,50 @@ pub fn published(found: &Findings<'_>) -> Option<Section> {
 
 /// The published means with ours, for a terminal: a row for each of the first cells, controller by controller.
 fn beside(all: &[PublishedComparison<'_>]) -> Table {
-    let mut figures: Vec<&str> = Vec::new();
-    for row in all {
-        if !figures.contains(&row.published.column) {
-            figures.push(row.published.column);
-        }
-    }
+    let figures = unique(all.iter().map(|row| row.published.column));
     let several = all.iter().any(|row| row.key.policy != all[0].key.policy);
-    let names = ["pedestrian", "town"].into_iter().chain(several.then_some("driver"));
-    let mut head: Vec<Column> = names.map(Column::text).collect();
-    head.extend(figures.iter().map(|figure| Column::number(figure.trim_end_matches("_rate").replace('_', " "))));
     let mut cells: Vec<&[PublishedComparison<'_>]> =
         all.chunk_by(|a, b| a.source == b.source && a.key == b.key).collect();
     cells.sort_by_key(|rows| all.iter().position(|first| first.key.controller == rows[0].key.controller));
-    let row = |rows: &&[PublishedComparison<'_>]| {
-        let key = &rows[0].key;
-        let mut row: Vec<Value> = vec![format!("{} {}", key.controller, key.reward).into(), (&key.town).into()];
-        row.extend(several.then(|| Value::from(&key.policy)));
-        row.extend(figures.iter().map(|figure| {
-            let found = rows.iter().find(|row| row.published.column == *figure);
-            found.map_or(Value::none(), |row| {
+    let shown = Selection::new()
+        .text("pedestrian", |rows: &&[PublishedComparison<'_>]| {
+            format!("{} {}", rows[0].key.controller, rows[0].key.reward)
+        })
+        .text("town", |rows| rows[0].key.town.clone())
+        .when(several, |shown| shown.text("driver", |rows| rows[0].key.policy.clone()))
+        .each(
+            figures,
+            |figure| Column::number(figure.trim_end_matches("_rate").replace('_', " ")),
+            |figure, rows| {
+                let row = rows.iter().find(|row| row.published.column == *figure)?;
                 let [theirs, ours] = [Some(row.published.mean), row.ours.value].map(|mean| Value::number(mean, 2));
-                Value::Change(Box::new(theirs), Box::new(ours))
-            })
-        }));
-        row
-    };
+                Some(Value::Change(Box::new(theirs), Box::new(ours)))
+            },
+        );
     let left = match cells.len().saturating_sub(MAX_CELLS) {
         0 => String::new(),
         left => format!(" ({left} more in report.html)"),
     };
     Table {
         title: format!("Published → here{left}"),
-        head,
-        rows: cells.iter().take(MAX_CELLS).map(row).collect(),
         place: Place::Terminal,
-        ..Table::default()
+        ..shown.table(cells.iter().take(MAX_CELLS))
     }
 }
 
 fn table(rows: &[PublishedComparison<'_>]) -> Table {
-    let mut head: Vec<Column> = ["pedestrian", "reward", "town", "driver", "figure"].map(Column::text).into();
-    head.extend(["published", "here", "difference, 95 %"].map(Column::number));
-    let row = |row: &PublishedComparison<'_>| {
-        vec![
-            Value::from(&row.key.controller),
-            Value::from(&row.key.reward),
-            Value::from(&row.key.town),
-            Value::from(&row.key.policy),
-            row.published.column.replace('_', " ").into(),
-            (&row.theirs()).into(),
-            (&row.ours).into(),
-            Value::difference(row.difference, row.interval),
-        ]
-    };
+    let shown = Selection::new()
+        .text("pedestrian", |row: &PublishedComparison<'_>| row.key.controller.clone())
+        .text("reward", |row| row.key.reward.clone())
+        .text("town", |row| row.key.town.clone())
+        .text("driver", |row| row.key.policy.clone())
+        .text("figure", |row| row.published.column.replace('_', " "))
+        .number("published", |row| Value::from(&row.theirs()))
+        .number("here", |row| Value::from(&row.ours))
+        .number("difference, 95 %", |row| Value::difference(row.difference, row.interval));
     Table {
         title: format!("{} ({} trainings)", rows[0].source, rows[0].published_runs),
-        head,
-        rows: rows.iter().map(row).collect(),
         notes: if rows[0].docs.is_empty() { Vec::new() } else { vec![rows[0].docs.to_string()] },
-        ..Table::default()
+        ..shown.table(rows)
     }
 }

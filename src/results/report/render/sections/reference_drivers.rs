@@ -1,5 +1,5 @@
-use super::names::{head, names};
-use crate::report::render::table::{Column, Depth, Section, Table, Value};
+use super::names::names;
+use crate::report::render::table::{Column, Depth, Section, Value};
 use crate::report::{CellEvidence, Findings};
 use crate::tables::Cell;
 use base::statistics::{ClusteredCount, wilson};
@@ -13,28 +13,27 @@ pub fn reference_drivers(found: &Findings<'_>) -> Option<Section> {
     if evidence.iter().all(|(_, found)| found.collisions.count() == 0) {
         return None;
     }
-    let mut columns = head();
-    columns.push(Column::number("collision rate"));
-    columns.extend(Reference::ALL.map(|reference| Column::number(reference.name())));
-    let row = |(cell, found): &(&Cell, &CellEvidence)| {
-        let rate = |count: ClusteredCount| {
-            let share = count.share_of(&found.episodes).unwrap_or_default();
-            let interval = (!cell.is_fixed_cases()).then(|| wilson(count, found.episodes));
-            let estimate = Value::estimate(Some(share), interval, 2);
-            Value::or_count(estimate, Some(share), count.count() as u32, found.episodes.count() as u32)
-        };
-        let mut row = names(cell, cells);
-        row.push(rate(found.collisions));
-        row.extend(Reference::ALL.map(|reference| rate(found.remaining(reference))));
-        row
+    let rate = |(cell, found): &(&Cell, &CellEvidence), count: ClusteredCount| {
+        let share = count.share_of(&found.episodes).unwrap_or_default();
+        let interval = (!cell.is_fixed_cases()).then(|| wilson(count, found.episodes));
+        let estimate = Value::estimate(Some(share), interval, 2);
+        Value::or_count(estimate, Some(share), count.count() as u32, found.episodes.count() as u32)
     };
-    let rows = evidence.iter().filter(|(_, found)| found.episodes.count() > 0).map(row).collect();
+    let shown = names(cells)
+        .of(|row: &(&Cell, &CellEvidence)| row.0)
+        .number("collision rate", |row| rate(row, row.1.collisions))
+        .each(
+            Reference::ALL,
+            |reference| Column::number(reference.name()),
+            |reference, row| rate(row, row.1.remaining(*reference)),
+        );
+    let rows = evidence.iter().filter(|(_, found)| found.episodes.count() > 0);
     Some(Section {
         id: "reference-drivers",
         name: "Reference drivers",
         title: "How many collisions would remain with other drivers?",
         depth: Depth::Page,
-        tables: vec![Table { head: columns, rows, ..Table::default() }],
+        tables: vec![shown.table(rows)],
         notes: vec![
             "The collision rate if a reference driver had braked in the same episodes, from the instant at which the danger starts. No driver of that kind \
              avoids what remains. The difference to the driver under test is what that driver could gain. Intervals are Wilson's 95 % over the starts. A collision \

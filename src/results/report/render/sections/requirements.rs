@@ -3,7 +3,8 @@ use std::collections::BTreeMap;
 use super::names::{place, who};
 use crate::record::CellKey;
 use crate::report::Findings;
-use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::grouped::grouped;
+use crate::report::render::table::{Column, Place, Section, Selection, Table, Value};
 use crate::tables::{Cell, FAULT_VIOLATION_RATE, JUDGED, Metric, NO_VERDICT, REQUIREMENT, VIOLATION_RATE};
 use verdict::NoVerdict;
 
@@ -12,22 +13,13 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let (cells, found) = (&all.cells, &all.gathered.requirements);
     let by_cell: BTreeMap<(&CellKey, String), &Cell> =
         found.iter().map(|each| ((&each.key, each.text(&REQUIREMENT)), each)).collect();
-    let mut names: Vec<(String, Option<NoVerdict>)> = Vec::new();
-    for each in found.iter() {
-        let name = each.text(&REQUIREMENT);
-        if !names.iter().any(|(known, _)| *known == name) {
-            names.push((name, NoVerdict::named(&each.text(&NO_VERDICT))));
-        }
-    }
+    let names = grouped(found.iter(), |each| each.text(&REQUIREMENT));
+    let first = |members: &Vec<&Cell>| {
+        (members[0].text(&REQUIREMENT), NoVerdict::named(&members[0].text(&NO_VERDICT)))
+    };
+    let names: Vec<(String, Option<NoVerdict>)> = names.iter().map(first).collect();
     if names.is_empty() {
         return None;
-    }
-    let mut head = vec![Column::text("driver").key(), Column::text("town").key(), Column::text("pedestrian").key()];
-    for (name, no_verdict) in &names {
-        head.push(Column::number(name.as_str()));
-        if no_verdict.is_none() {
-            head.push(Column::number("fault"));
-        }
     }
     let rate = |cell: &Cell, name: &str, metric: &Metric| {
         by_cell.get(&(&cell.key, name.to_owned())).map_or_else(
@@ -39,24 +31,30 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
             },
         )
     };
-    let row = |cell: &Cell| {
-        let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
-        for (name, no_verdict) in &names {
-            let shown = rate(cell, name, &VIOLATION_RATE);
-            row.push(match all.gathered.failures.worst_of(&cell.key, Some(name)) {
-                Some(failure) => Value::Played(Box::new(shown), failure.name()),
-                None => shown,
-            });
-            if no_verdict.is_none() {
-                row.push(rate(cell, name, &FAULT_VIOLATION_RATE));
-            }
-        }
-        row
-    };
-    let rows: Vec<Vec<Value>> = cells.iter().map(row).collect();
-    let of_report = Table { head: head.clone(), rows: rows.clone(), ..Table::default() };
+    let columns = names.iter().flat_map(|(name, no_verdict)| {
+        std::iter::once((name, false)).chain(no_verdict.is_none().then_some((name, true)))
+    });
+    let shown = Selection::new()
+        .column(Column::text("driver").key(), |cell: &Cell| cell.key.policy.clone())
+        .column(Column::text("town").key(), |cell| place(cell, cells))
+        .column(Column::text("pedestrian").key(), |cell| who(cell, cells))
+        .each(
+            columns,
+            |(name, of_faults)| Column::number(if *of_faults { "fault" } else { name.as_str() }),
+            |(name, of_faults), cell| {
+                if *of_faults {
+                    return rate(cell, name, &FAULT_VIOLATION_RATE);
+                }
+                let shown = rate(cell, name, &VIOLATION_RATE);
+                match all.gathered.failures.worst_of(&cell.key, Some(name)) {
+                    Some(failure) => Value::Played(Box::new(shown), failure.name()),
+                    None => shown,
+                }
+            },
+        );
+    let of_report = shown.table(cells.iter());
     let title = "violations of requirements".into();
-    let of_terminal = Table { place: Place::Terminal, title, head, rows, ..Table::default() };
+    let of_terminal = Table { place: Place::Terminal, title, ..of_report.clone() };
     let refused =
         names.iter().filter_map(|(name, why)| Some(format!("`{name}` has no verdict: {}.", (*why)?.reason())));
     let notes = [

@@ -3,7 +3,7 @@ use super::names::{place, who};
 use crate::report::Findings;
 use crate::report::grouped::grouped;
 use crate::report::render::page::results_picture;
-use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Place, Section, Selection, Table, Value};
 use crate::tables::metrics::{
     ALL_EPISODES, COLLISION_RATE, EPISODES, ERRORS, FAULT_COLLISIONS, FAULT_RATE, LEFT_OUT_EPISODES,
 };
@@ -41,28 +41,21 @@ fn left_out(cell: &Cell) -> Value {
 fn table(cells: &Cells, scale: &Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.count(&ERRORS) > 0);
     let has_left_out = cells.iter().any(|cell| cell.count(&LEFT_OUT_EPISODES) > 0);
-    let mut head = vec![Column::text("pedestrian"), Column::number("runs × episodes")];
-    head.extend(has_left_out.then(|| Column::number("left out")));
-    head.extend(has_errors.then(|| Column::number("errors")));
-    head.extend(["collision (95 %)", "fault (95 %)"].map(Column::text));
-    head.extend(scale.name().map(|name| Column::number(format!("of {name}'s"))));
-    let mut rows = Vec::new();
-    for (name, members) in by_place(cells) {
-        let mut row = vec![Value::text(name)];
-        row.resize(head.len(), Value::text(String::new()));
-        rows.push(row);
-        for cell in members {
-            let mut row = vec![Value::text(format!("  {}", who(cell, cells)))];
-            row.push(Value::Times(cell.runs().into(), u64::from(cell.count(&EPISODES) / cell.runs().max(1))));
-            row.extend(has_left_out.then(|| left_out(cell)));
-            row.extend(has_errors.then(|| Value::Count(cell.count(&ERRORS).into())));
-            row.push(Value::share(cell, &COLLISION_RATE));
-            row.push(Value::share(cell, &FAULT_RATE));
-            row.extend(scale.name().map(|_| Value::number(scale.share(cell, &FAULT_RATE), 2)));
-            rows.push(row);
-        }
-    }
-    Table { place: Place::Everywhere, head, rows, ..Table::default() }
+    let shown = Selection::new()
+        .text("pedestrian", |cell| format!("  {}", who(cell, cells)))
+        .number("runs × episodes", |cell: &Cell| {
+            Value::Times(cell.runs().into(), u64::from(cell.count(&EPISODES) / cell.runs().max(1)))
+        })
+        .when(has_left_out, |shown| shown.number("left out", left_out))
+        .when(has_errors, |shown| shown.metric(Column::number("errors"), &ERRORS))
+        .metric(Column::text("collision (95 %)"), &COLLISION_RATE)
+        .metric(Column::text("fault (95 %)"), &FAULT_RATE)
+        .each(
+            scale.name(),
+            |name| Column::number(format!("of {name}'s")),
+            |_, cell| Value::number(scale.share(cell, &FAULT_RATE), 2),
+        );
+    Table { place: Place::Everywhere, ..shown.grouped(by_place(cells)) }
 }
 
 /// The cells of each town and driver, with the name of the two, in their order.

@@ -2,12 +2,12 @@ use std::collections::BTreeMap;
 
 use crate::record::columns::{DRIVER, TOWN};
 use crate::report::SearchPair;
-use crate::report::render::table::{Column, Table, Value};
+use crate::report::render::table::{Column, Selection, Table, Value};
 use crate::tables::metrics::RUNS;
 use crate::tables::{DIFFERENCE, DIFFERENCES, FIGURE, IS_OF_METHODS, METHOD, OTHER, P_HOLM};
 
-/// The greatest number of rows of a kind on a page; the file of the table has all.
-const MOST: usize = 60;
+/// Maximum number of rows of a kind on a page; the file of the table has all.
+const MAX_PAIRS: usize = 60;
 
 /// The figures that the tables show, by the names of their columns in `searches`, and their heads.
 const SHOWN: [(&str, &str); 4] = [
@@ -31,35 +31,36 @@ pub fn search_pairs(compared: &[SearchPair]) -> Vec<Table> {
 }
 
 fn table(title: &str, found: &[&SearchPair]) -> Table {
-    let mut head: Vec<Column> = ["search", "place", "less"].map(Column::text).into();
-    head.extend(SHOWN.map(|(_, head)| Column::number(head)));
     // The figures of a pair are consecutive.
     let pairs: Vec<&[&SearchPair]> = found.chunk_by(|one, next| one.key == next.key).collect();
-    let row = |figures: &&[&SearchPair]| {
-        let pair = figures[0];
-        let place = format!("{} · {}", pair.text(&TOWN), pair.text(&DRIVER));
-        let other = other(pair, if pair.holds(&IS_OF_METHODS) { METHOD.name } else { DRIVER.name });
-        let mut row = vec![Value::from(&pair.text(&METHOD)), place.into(), other.into()];
-        row.extend(SHOWN.map(|(figure, _)| {
-            let of = figures.iter().find(|each| each.text(&FIGURE) == figure);
-            of.map_or(Value::number(None, 2), |of| {
-                Value::Lines(vec![difference(of), Value::text(probability(of.number(P_HOLM)))])
-            })
-        }));
-        row
-    };
-    let left =
-        (pairs.len() > MOST).then(|| format!("The first {MOST} of {} pairs; `comparisons.csv` has all.", pairs.len()));
-    let rows = pairs.iter().take(MOST).map(row).collect();
-    Table { title: title.into(), head, rows, notes: left.into_iter().collect(), ..Table::default() }
+    let shown = Selection::new()
+        .text("search", |pair: &&[&SearchPair]| pair[0].text(&METHOD))
+        .text("place", |pair| format!("{} · {}", pair[0].text(&TOWN), pair[0].text(&DRIVER)))
+        .text("less", |pair| other(pair[0], if pair[0].holds(&IS_OF_METHODS) { METHOD.name } else { DRIVER.name }))
+        .each(
+            SHOWN,
+            |(_, head)| Column::number(*head),
+            |(figure, _), pair| {
+                let found = pair.iter().find(|each| each.text(&FIGURE) == *figure)?;
+                // With too few runs for an interval, the values of the single runs.
+                let difference = match found.ends(DIFFERENCE) {
+                    None => Value::runs(found.list(DIFFERENCES), 2, true),
+                    interval => Value::difference(found.number(DIFFERENCE), interval),
+                };
+                Some(Value::Lines(vec![difference, probability(found.number(P_HOLM)).into()]))
+            },
+        );
+    first_pairs(Table { title: title.into(), ..shown.table(&pairs) })
 }
 
-/// The difference with its interval; with too few runs for one, the values of the single runs.
-fn difference(found: &SearchPair) -> Value {
-    match found.ends(DIFFERENCE) {
-        None => Value::runs(found.list(DIFFERENCES), 2, true),
-        interval => Value::difference(found.number(DIFFERENCE), interval),
+/// The first pairs of a table that is too long for a page; its file has all.
+pub fn first_pairs(mut table: Table) -> Table {
+    let all = table.rows.len();
+    if all > MAX_PAIRS {
+        table.rows.truncate(MAX_PAIRS);
+        table.notes.push(format!("The first {MAX_PAIRS} of {all} pairs; `comparisons.csv` has all."));
     }
+    table
 }
 
 /// A name of the other side.
@@ -67,7 +68,8 @@ fn other(pair: &SearchPair, column: &str) -> String {
     pair.text_of(&format!("{column}{OTHER}"))
 }
 
-fn probability(p: Option<f64>) -> String {
+/// A probability after Holm's correction.
+pub fn probability(p: Option<f64>) -> String {
     match p {
         None => "no test".into(),
         Some(p) if p < 0.001 => "p < 0.001".into(),

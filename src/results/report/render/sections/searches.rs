@@ -1,6 +1,6 @@
 use super::search_pairs::{findings_of_pairs, search_pairs};
 use crate::record::in_block;
-use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Place, Section, Selection, Table, Value};
 use crate::report::{Findings, Rate, SearchCell};
 use crate::tables::{
     FAILED_STARTS, FAULT_COUNT, FAULT_STARTS, FIRST_FAILURE, GOAL, SIMULATIONS_MEAN, SIMULATIONS_MEDIAN, STARTS,
@@ -43,35 +43,25 @@ pub fn searches(found: &Findings<'_>) -> Option<Section> {
 
 /// A row for each falsifier, town and driver.
 fn falsifiers(cells: &[SearchCell]) -> Table {
-    let mut head: Vec<Column> = ["search", "town", "driver"].map(Column::text).into();
     // Estimates are left-aligned, so that their numbers are below each other.
-    head.extend([
-        Column::number("runs × ticks").detail(),
-        Column::number("runs with a failure"),
-        Column::number("ticks to first failure"),
-        Column::text("simulations to it, mean and median").page_only(),
-        Column::text("failed starts"),
-        Column::text("starts with a fault"),
-        Column::text("faults found").page_only(),
-    ]);
-    let row = |cell: &SearchCell| {
-        let [runs, falsified] = cell.runs();
-        let simulations = cell.number(SIMULATIONS_MEAN.name).zip(cell.number(SIMULATIONS_MEDIAN.name));
-        let simulations = simulations.map(|(mean, median)| format!("{mean:.0}, {median:.0}"));
-        vec![
-            who(cell).into(),
-            Value::from(&cell.key.town),
-            Value::from(&cell.key.policy),
-            Value::Times(runs, cell.budget()),
-            Value::Of(falsified, runs),
-            Value::number(cell.number(&median_column(FIRST_FAILURE)), 0),
-            simulations.unwrap_or_else(|| "–".into()).into(),
-            failed_starts(cell),
-            of_starts(&cell.rate(FAULT_STARTS), &cell.rate(STARTS.name)),
-            Value::average(&cell.rate(FAULT_COUNT), 1),
-        ]
-    };
-    Table { place: Place::Everywhere, head, rows: cells.iter().map(row).collect(), ..Table::default() }
+    let shown = Selection::new()
+        .text("search", who)
+        .text("town", |cell: &SearchCell| cell.key.town.clone())
+        .text("driver", |cell| cell.key.policy.clone())
+        .column(Column::number("runs × ticks").detail(), |cell| Value::Times(cell.runs()[0], cell.budget()))
+        .number("runs with a failure", |cell| {
+            let [runs, falsified] = cell.runs();
+            Value::Of(falsified, runs)
+        })
+        .number("ticks to first failure", |cell| Value::number(cell.number(&median_column(FIRST_FAILURE)), 0))
+        .column(Column::text("simulations to it, mean and median").page_only(), |cell| {
+            let simulations = cell.number(SIMULATIONS_MEAN.name).zip(cell.number(SIMULATIONS_MEDIAN.name));
+            simulations.map(|(mean, median)| format!("{mean:.0}, {median:.0}"))
+        })
+        .text("failed starts", failed_starts)
+        .text("starts with a fault", |cell| of_starts(&cell.rate(FAULT_STARTS), &cell.rate(STARTS.name)))
+        .column(Column::text("faults found").page_only(), |cell| Value::average(&cell.rate(FAULT_COUNT), 1));
+    Table { place: Place::Everywhere, ..shown.table(cells) }
 }
 
 /// A note on the falsifiers that found failures from fewer starts than random walking did with the same budget; `None` without any.

@@ -1,21 +1,17 @@
 use std::collections::BTreeMap;
 
 use crate::record::CellKey;
-use crate::report::Findings;
-use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::render::table::{Column, Place, Section, Selection, Table, Value, unique};
+use crate::report::{DriverResult, Findings};
 use crate::tables::Cell;
 use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
 use base::statistics::{ClusteredCount, wilson};
 
 /// The faults of each driver in each simulator side by side; `None` if no driver drives in two.
 pub fn worlds(found: &Findings<'_>) -> Option<Section> {
-    let mut names: Vec<&str> = Vec::new();
-    found.cells.iter().map(|cell| cell.key.simulator()).for_each(|name| {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    });
-    let row = |driver: &str| {
+    let names = unique(found.cells.iter().map(|cell| cell.key.simulator()));
+    let common = |result: &DriverResult| {
+        let driver = result.driver.name.clone();
         let own = || found.cells.iter().filter(|cell| cell.key.policy == driver && cell.count(&EPISODES) > 0);
         let elsewhere = |cell: &Cell, world: &str| CellKey { world: world.into(), ..cell.key.clone() };
         let has = |cell: &Cell, world: &str| own().any(|other| other.key == elsewhere(cell, world));
@@ -24,24 +20,22 @@ pub fn worlds(found: &Findings<'_>) -> Option<Section> {
         // What is met in one of them alone says nothing about the other ones.
         let common: Vec<&Cell> = own().filter(|cell| driven.iter().all(|world| has(cell, world))).collect();
         let is_compared = driven.len() > 1 && !common.is_empty();
-        let rate = |world: &&str| rate(common.iter().copied().filter(|cell| cell.key.simulator() == *world));
-        is_compared.then(|| [Value::from(driver)].into_iter().chain(names.iter().map(rate)).collect())
+        is_compared.then_some((driver, common))
     };
-    let rows: Vec<Vec<Value>> = found.drivers.iter().filter_map(|result| row(&result.driver.name)).collect();
+    let rows: Vec<(String, Vec<&Cell>)> = found.drivers.iter().filter_map(common).collect();
     if rows.is_empty() {
         return None;
     }
-    let heads = names.iter().map(|name| Column::number(format!("fault, {name} (95 %)")));
+    let shown = Selection::new().text("driver", |(driver, _): &(String, Vec<&Cell>)| driver.clone()).each(
+        names,
+        |name| Column::number(format!("fault, {name} (95 %)")),
+        |name, (_, cells)| rate(cells.iter().copied().filter(|cell| cell.key.simulator() == *name)),
+    );
     Some(Section {
         id: "worlds",
         name: "Simulators",
         title: "Do faults survive in another simulator?",
-        tables: vec![Table {
-            place: Place::Everywhere,
-            head: [Column::text("driver")].into_iter().chain(heads).collect(),
-            rows,
-            ..Table::default()
-        }],
+        tables: vec![Table { place: Place::Everywhere, ..shown.table(&rows) }],
         notes: vec![
             "Faults of all episodes with the pedestrians, towns and starts that all simulators have. Intervals are Wilson's 95 % over starts; `falsify recheck` meets the same faults again."
                 .into(),

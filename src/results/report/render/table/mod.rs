@@ -7,9 +7,12 @@ mod html;
 
 pub use value::{Mark, Value};
 
+use std::rc::Rc;
+
 use maud::Markup;
 
 use super::svg::Figure;
+use crate::tables::{Cell, Metric};
 
 /// The alignment of a column's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,6 +89,116 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
+/// What a table shows of rows of a kind: its columns, and the value of each in a row.
+pub struct Selection<'t, R> {
+    columns: Vec<(Column, Rc<dyn Fn(&R) -> Value + 't>)>,
+}
+
+impl<'t, R> Selection<'t, R> {
+    /// A selection without columns.
+    pub fn new() -> Self {
+        Self { columns: Vec::new() }
+    }
+
+    /// Adds a column.
+    #[must_use]
+    pub fn column<V: Into<Value>>(mut self, column: Column, value: impl Fn(&R) -> V + 't) -> Self {
+        self.columns.push((column, Rc::new(move |row| value(row).into())));
+        self
+    }
+
+    /// Adds a column of words.
+    #[must_use]
+    pub fn text<V: Into<Value>>(self, head: impl Into<String>, value: impl Fn(&R) -> V + 't) -> Self {
+        self.column(Column::text(head), value)
+    }
+
+    /// Adds a column of numbers.
+    #[must_use]
+    pub fn number<V: Into<Value>>(self, head: impl Into<String>, value: impl Fn(&R) -> V + 't) -> Self {
+        self.column(Column::number(head), value)
+    }
+
+    /// Adds a column for each of these.
+    #[must_use]
+    pub fn each<T: 't, V: Into<Value>>(
+        self,
+        items: impl IntoIterator<Item = T>,
+        column: impl Fn(&T) -> Column,
+        value: impl Fn(&T, &R) -> V + 't,
+    ) -> Self {
+        let value = Rc::new(value);
+        items.into_iter().fold(self, |selection, item| {
+            let value = value.clone();
+            selection.column(column(&item), move |row| value(&item, row))
+        })
+    }
+
+    /// The same of rows that have such a row as a part.
+    pub fn of<S>(self, part: impl Fn(&S) -> &R + Copy + 't) -> Selection<'t, S>
+    where
+        R: 't,
+    {
+        let columns = self.columns.into_iter();
+        columns.fold(Selection::new(), |all, (column, value)| all.column(column, move |row| value(part(row))))
+    }
+
+    /// Adds more columns where this is true.
+    #[must_use]
+    pub fn when(self, is_shown: bool, more: impl FnOnce(Self) -> Self) -> Self {
+        if is_shown { more(self) } else { self }
+    }
+
+    /// The table of some rows.
+    pub fn table<'r>(&self, rows: impl IntoIterator<Item = &'r R>) -> Table
+    where
+        R: 'r,
+    {
+        Table { head: self.head(), rows: rows.into_iter().map(|row| self.row(row)).collect(), ..Table::default() }
+    }
+
+    /// The table of groups of rows, each below a row with its heading.
+    pub fn grouped<'r>(&self, groups: impl IntoIterator<Item = (String, Vec<&'r R>)>) -> Table
+    where
+        R: 'r,
+    {
+        let mut rows = Vec::new();
+        for (heading, members) in groups {
+            let blank = std::iter::repeat_n("".into(), self.columns.len() - 1);
+            rows.push(std::iter::once(heading.into()).chain(blank).collect());
+            rows.extend(members.into_iter().map(|row| self.row(row)));
+        }
+        Table { head: self.head(), rows, ..Table::default() }
+    }
+
+    fn head(&self) -> Vec<Column> {
+        self.columns.iter().map(|(column, _)| column.clone()).collect()
+    }
+
+    fn row(&self, row: &R) -> Vec<Value> {
+        self.columns.iter().map(|(_, value)| value(row)).collect()
+    }
+}
+
+impl<'t> Selection<'t, Cell> {
+    /// Adds a column of a metric in the form of its role.
+    #[must_use]
+    pub fn metric(self, column: Column, metric: &'static Metric) -> Self {
+        self.column(column, |cell| Value::metric(cell, metric))
+    }
+}
+
+/// The values that differ, in the order of first appearance.
+pub fn unique<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for value in values {
+        if !found.contains(&value) {
+            found.push(value);
+        }
+    }
+    found
+}
+
 /// Where a section is read. The page shows all, and a terminal too with `--details`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Depth {
@@ -144,7 +257,7 @@ mod tests {
                     (&Rate { value: Some(0.5), sd: Some(0.125), ..Rate::default() }).into(),
                     Value::Count(1234),
                 ],
-                vec![Value::Text("c".into(), Mark::Link("c.svg".into())), Value::none(), Value::Of(1, 2)],
+                vec![Value::Text("c".into(), Mark::Link("c.svg".into())), Value::number(None, 2), Value::Of(1, 2)],
             ],
             notes: vec!["A *rate* is `hits` of all.".into()],
         }

@@ -1,7 +1,6 @@
-use crate::tables::{Cell, Metric};
 use std::fmt;
 
-use crate::report::Rate;
+use crate::tables::{Cell, Metric, Rate};
 
 /// A value of a table. `Display` gives its text; Markdown and HTML add markup for marks and lines.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,11 +86,6 @@ impl Value {
         Self::Text(name.into(), Mark::Failure)
     }
 
-    /// A missing value.
-    pub fn none() -> Self {
-        Self::Number(Number::default())
-    }
-
     pub fn number(value: Option<f64>, digits: usize) -> Self {
         Self::Number(Number { value, digits: Some(digits), ..Number::default() })
     }
@@ -114,6 +108,15 @@ impl Value {
     /// The values of single runs, their number of digits after the point, and whether they are differences with a sign.
     pub fn runs(values: Vec<f64>, digits: usize, is_signed: bool) -> Self {
         Self::Number(Number { value: None, spread: Spread::Runs(values), digits: Some(digits), is_signed })
+    }
+
+    /// A metric of a cell by its role: a count, a share with its interval, a mean with the deviation of the runs.
+    pub fn metric(cell: &Cell, metric: &Metric) -> Self {
+        match () {
+            () if metric.is_count() => cell.count(metric).into(),
+            () if metric.is_share() => Self::share(cell, metric),
+            () => (&cell.rate(metric)).into(),
+        }
     }
 
     /// A rate with its interval; the number of `whole` episodes and the upper end of the interval if the rate is too small for two digits.
@@ -235,21 +238,23 @@ impl fmt::Display for Value {
     }
 }
 
-impl From<&str> for Value {
-    fn from(words: &str) -> Self {
-        Self::text(words)
-    }
+/// Words and counts as they are; a value that is missing is a dash.
+macro_rules! from {
+    ($($of:ty => $value:expr),*) => {
+        $(impl From<$of> for Value {
+            fn from(value: $of) -> Self {
+                $value(value)
+            }
+        })*
+    };
 }
 
-impl From<&String> for Value {
-    fn from(words: &String) -> Self {
-        Self::text(words)
-    }
-}
+from!(&str => Self::text, &String => Self::text, String => Self::text, u64 => Self::Count);
+from!(u32 => |count| Self::Count(u64::from(count)), usize => |count| Self::Count(count as u64));
 
-impl From<String> for Value {
-    fn from(words: String) -> Self {
-        Self::text(words)
+impl<V: Into<Self>> From<Option<V>> for Value {
+    fn from(value: Option<V>) -> Self {
+        value.map_or(Self::Number(Number::default()), Into::into)
     }
 }
 
