@@ -1,7 +1,6 @@
-use std::collections::BTreeMap;
-
 use crate::jobs::percent_above;
-use crate::report::render::table::{Column, Mark, Place, Section, Table, Value};
+use crate::report::grouped::grouped;
+use crate::report::render::table::{Column, Mark, Place, Section, Selection, Table, Value, unique};
 use crate::report::{Colour, Findings, ProtocolCell, score};
 use episode::TestCriterion;
 
@@ -35,16 +34,8 @@ pub fn protocol(found: &Findings<'_>) -> Option<Section> {
         return None;
     }
     let mut tables = if layers.is_empty() { Vec::new() } else { of_layers(cells, layers) };
-    let mut tests: BTreeMap<usize, Vec<&ProtocolCell>> = BTreeMap::new();
-    let mut names: Vec<&str> = Vec::new();
-    for cell in cells {
-        let number = names.iter().position(|name| *name == cell.test).unwrap_or_else(|| {
-            names.push(&cell.test);
-            names.len() - 1
-        });
-        tests.entry(number).or_default().push(cell);
-    }
-    tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
+    let tests = grouped(cells, |cell| cell.test.as_str());
+    tables.extend(tests.iter().map(|cells| of_test(cells)));
     let is_coloured = cells.iter().chain(layers).any(|cell| cell.criterion == TestCriterion::EuroNcap);
     if let Some(first) = tables.first_mut().filter(|_| is_coloured) {
         first.notes.push(JUDGES.into());
@@ -61,64 +52,54 @@ pub fn protocol(found: &Findings<'_>) -> Option<Section> {
     })
 }
 
-/// Rows of drivers and overlaps, columns of test speeds.
-fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
-    let mut speeds: Vec<f64> = cells.iter().map(|cell| cell.test_speed).collect();
+/// The test speeds, which are the columns.
+fn speeds<'a>(cells: impl Iterator<Item = &'a ProtocolCell>) -> Vec<f64> {
+    let mut speeds: Vec<f64> = cells.map(|cell| cell.test_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
+    speeds
+}
+
+/// Rows of drivers and overlaps, columns of test speeds.
+fn of_test(cells: &[&ProtocolCell]) -> Table {
     let coloured = cells.iter().any(|cell| cell.criterion == TestCriterion::EuroNcap);
     let title = |speed: &f64| {
         let limit = cells.iter().find(|cell| cell.test_speed == *speed).map_or(0.0, |cell| cell.limit() * 3.6);
         let limit = if coloured || limit <= 0.0 { String::new() } else { format!(" (≤ {limit:.0})") };
         Column::number(format!("{:.0} km/h{limit}", speed * 3.6))
     };
-    let mut head = vec![Column::text("driver"), Column::number("overlap").key()];
-    head.extend(speeds.iter().map(title));
-    head.extend(coloured.then(|| Column::number("score")));
-    head.push(Column::number("passed"));
-    let mut keys: Vec<(&str, f64)> = Vec::new();
-    for cell in cells {
-        if !keys.contains(&(&cell.policy, cell.overlap)) {
-            keys.push((&cell.policy, cell.overlap));
-        }
-    }
-    let row = |(policy, overlap): &(&str, f64)| {
-        let of: Vec<&ProtocolCell> =
-            cells.iter().copied().filter(|cell| cell.policy == *policy && cell.overlap == *overlap).collect();
-        let mut row = vec![Value::code(*policy), Value::Percent(*overlap)];
-        row.extend(speeds.iter().map(|speed| {
-            let cell = of.iter().find(|cell| cell.test_speed == *speed);
-            cell.map_or_else(|| "–".into(), |cell| played(cell))
-        }));
-        let passed = of.iter().filter(|cell| cell.is_tested() && cell.passes() == Some(true)).count();
-        let caveats = ProtocolCell::caveats(&of);
-        row.extend(coloured.then(|| match score(of.iter().copied()) {
-            Some(score) if !caveats.is_empty() => Value::warning(format!("{score:.2}: {caveats}")),
-            score => Value::number(score, 2),
-        }));
-        row.push(passes(passed, &of, if coloured { "" } else { &caveats }));
-        row
-    };
-    Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
+    let shown = Selection::new()
+        .text("driver", |of: &Vec<&ProtocolCell>| Value::code(&of[0].policy))
+        .column(Column::number("overlap").key(), |of| Value::Percent(of[0].overlap))
+        .each(speeds(cells.iter().copied()), title, |speed, of| {
+            of.iter().find(|cell| cell.test_speed == *speed).map(|cell| played(cell))
+        })
+        .when(coloured, |shown| {
+            shown.number("score", |of| match (score(of.iter().copied()), ProtocolCell::caveats(of)) {
+                (Some(score), caveats) if !caveats.is_empty() => Value::warning(format!("{score:.2}: {caveats}")),
+                (score, _) => Value::number(score, 2),
+            })
+        })
+        .number("passed", |of| passes(of, if coloured { String::new() } else { ProtocolCell::caveats(of) }));
+    let rows = grouped(cells.iter().copied(), |cell| (&cell.policy, cell.overlap.to_bits()));
+    Table { title: cells[0].test.clone(), ..shown.table(&rows) }
 }
 
 /// How many cells of a row were passed, of those that were run, and how many of these had a collision: `3 of 3, 1 with a collision, 3 not run`;
 /// then what else is to be said.
-fn passes(passed: usize, of: &[&ProtocolCell], caveats: &str) -> Value {
+fn passes(of: &[&ProtocolCell], caveats: String) -> String {
     let tested = || of.iter().filter(|cell| cell.is_tested());
-    let hit = tested().filter(|cell| cell.passes() == Some(true) && cell.impact_speed > Some(0.0)).count();
+    let passed = || tested().filter(|cell| cell.passes() == Some(true));
+    let hit = passed().filter(|cell| cell.impact_speed > Some(0.0)).count();
     let run = of.iter().filter(|cell| cell.is_run()).count();
     let other = run - tested().count();
-    let mut text = format!("{passed} of {}", tested().count());
+    let mut text = format!("{} of {}", passed().count(), tested().count());
     for (count, what) in [(hit, "with a collision"), (other, "not at the test speed"), (of.len() - run, "not run")] {
         if count > 0 {
             text += &format!(", {count} {what}");
         }
     }
-    if !caveats.is_empty() {
-        text += &format!(", {caveats}");
-    }
-    Value::text(text)
+    if caveats.is_empty() { text } else { text + ", " + &caveats }
 }
 
 /// A cell of a test within its layers.
@@ -186,55 +167,37 @@ impl<'a> Layered<'a> {
 /// The tables of the layers: one row for each driver, the cells of each driver, the searches, and the cells that got worse.
 fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Vec<Table> {
     let all = Layered::all(cells, layers);
-    let mut drivers: Vec<&str> = Vec::new();
-    for each in &all {
-        if !drivers.contains(&each.key().policy.as_str()) {
-            drivers.push(&each.key().policy);
-        }
-    }
-    let of = |driver: &str| all.iter().filter(|each| each.key().policy == driver).collect::<Vec<_>>();
-    let mut tables = vec![robustness(&drivers, of)];
-    tables.extend(drivers.iter().map(|driver| of_driver(driver, &of(driver))));
-    tables.push(of_searches(&all));
-    tables.extend(changes(&all));
-    tables
+    let drivers = grouped(&all, |each| &each.key().policy);
+    let of_drivers = drivers.iter().map(|of| of_driver(of));
+    let tables = std::iter::once(robustness(&drivers)).chain(of_drivers).chain([of_searches(&all)]);
+    tables.chain(changes(&all)).collect()
 }
 
 /// How far each driver's nominal result is true within the layers.
-fn robustness<'a>(drivers: &[&'a str], of: impl Fn(&str) -> Vec<&'a Layered<'a>>) -> Table {
-    let names = ["cells", "worse within the layers", "red, nominal", "red, worst", "score, nominal", "score, worst"];
-    let row = |driver: &&str| {
-        let of = of(driver);
-        let red = |cell: &ProtocolCell| cell.colour() == Some(Colour::Red);
-        let nominal: Vec<&ProtocolCell> = of.iter().filter_map(|each| each.nominal).collect();
-        let worst: Vec<&ProtocolCell> = of.iter().map(|each| each.worst()).collect();
-        let count = |number: usize| Value::Count(number as u64);
-        vec![
-            Value::code(*driver),
-            count(of.len()),
-            count(of.iter().filter(|each| each.is_worse()).count()),
-            count(nominal.iter().filter(|cell| red(cell)).count()),
-            count(worst.iter().filter(|cell| red(cell)).count()),
-            Value::number(score(nominal.iter().copied()), 2),
-            Value::number(score(worst.iter().copied()), 2),
-        ]
-    };
+fn robustness(drivers: &[Vec<&Layered<'_>>]) -> Table {
+    let reds = |cell: &&ProtocolCell| cell.colour() == Some(Colour::Red);
+    let shown = Selection::new()
+        .text("driver", |of: &Vec<&Layered<'_>>| Value::code(&of[0].key().policy))
+        .number("cells", Vec::len)
+        .number("worse within the layers", |of| of.iter().filter(|each| each.is_worse()).count())
+        .number("red, nominal", |of| of.iter().filter_map(|each| each.nominal).filter(reds).count())
+        .number("red, worst", |of| of.iter().map(|each| each.worst()).filter(reds).count())
+        .number("score, nominal", |of| Value::number(score(of.iter().filter_map(|each| each.nominal)), 2))
+        .number("score, worst", |of| Value::number(score(of.iter().map(|each| each.worst())), 2));
     let note = "A cell is a test, an overlap and a test speed. *Worse*: a variation of the target within the layers has a worse colour than the \
          nominal test. *Score*: the mean of the colours' shares of the points, 1 when all cells are green.";
     Table {
         title: "Robustness: is the nominal result true within the layers?".into(),
-        head: std::iter::once(Column::text("driver")).chain(names.map(Column::number)).collect(),
-        rows: drivers.iter().map(row).collect(),
-        notes: vec![headline(drivers, &of), note.into()],
-        ..Table::default()
+        notes: vec![headline(drivers), note.into()],
+        ..shown.table(drivers)
     }
 }
 
 /// Which drivers touch no target in the nominal tests, and which within the layers.
-fn headline<'a>(drivers: &[&'a str], of: &impl Fn(&str) -> Vec<&'a Layered<'a>>) -> String {
+fn headline(drivers: &[Vec<&Layered<'_>>]) -> String {
     let without = |touches: &dyn Fn(&Layered<'_>) -> bool| {
-        let clean = drivers.iter().filter(|driver| !of(driver).into_iter().any(touches));
-        match clean.map(|driver| format!("`{driver}`")).collect::<Vec<_>>() {
+        let clean = drivers.iter().filter(|of| !of.iter().any(|each| touches(each)));
+        match clean.map(|of| format!("`{}`", of[0].key().policy)).collect::<Vec<_>>() {
             names if names.is_empty() => "no driver".to_string(),
             names => names.join(", "),
         }
@@ -248,84 +211,50 @@ fn headline<'a>(drivers: &[&'a str], of: &impl Fn(&str) -> Vec<&'a Layered<'a>>)
 }
 
 /// The nominal colour of each cell of a driver, and the worst one within the layers where that is worse.
-fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
-    let mut speeds: Vec<f64> = of.iter().map(|each| each.key().test_speed).collect();
-    speeds.sort_by(f64::total_cmp);
-    speeds.dedup();
-    let mut keys: Vec<(&str, f64)> = Vec::new();
-    for each in of {
-        let key = (each.key().test.as_str(), each.key().overlap);
-        if !keys.contains(&key) {
-            keys.push(key);
-        }
-    }
-    let mut head = vec![Column::text("test"), Column::number("overlap").key()];
-    head.extend(speeds.iter().map(|speed| Column::number(format!("{:.0} km/h", speed * 3.6))));
-    let row = |(test, overlap): &(&str, f64)| {
-        let here = |each: &&&Layered<'_>| each.key().test == *test && each.key().overlap == *overlap;
-        let name = of.iter().find(here).and_then(|each| each.nominal).map_or(*test, |nominal| nominal.test.as_str());
-        let mut row = vec![Value::code(name), Value::Percent(*overlap)];
-        row.extend(speeds.iter().map(|speed| {
-            let cell = of.iter().filter(here).find(|each| each.key().test_speed == *speed);
-            cell.map_or_else(|| "–".into(), |each| each.value())
-        }));
-        row
-    };
+fn of_driver(of: &[&Layered<'_>]) -> Table {
+    let shown = Selection::new()
+        .text("test", |here: &Vec<&Layered<'_>>| Value::code(&here[0].nominal.unwrap_or(here[0].key()).test))
+        .column(Column::number("overlap").key(), |here| Value::Percent(here[0].key().overlap))
+        .each(
+            speeds(of.iter().map(|each| each.key())),
+            |speed| Column::number(format!("{:.0} km/h", speed * 3.6)),
+            |speed, here| here.iter().find(|each| each.key().test_speed == *speed).map(|each| each.value()),
+        );
+    let rows = grouped(of.iter().copied(), |each| (&each.key().test, each.key().overlap.to_bits()));
     Table {
-        title: format!("{driver}: nominal → worst within the layers, impact speed (km/h)"),
-        head,
-        rows: keys.iter().map(row).collect(),
-        ..Table::default()
+        title: format!("{}: nominal → worst within the layers, impact speed (km/h)", of[0].key().policy),
+        ..shown.table(&rows)
     }
 }
 
 /// In how many cells each search found the worst result.
 fn of_searches(all: &[Layered<'_>]) -> Table {
-    let mut searches: Vec<&str> = Vec::new();
-    for name in all.iter().flat_map(|each| &each.found).filter_map(|cell| cell.falsifier.as_deref()) {
-        if !searches.contains(&name) {
-            searches.push(name);
-        }
-    }
-    let row = |name: &&str| {
-        let worse: Vec<_> = all.iter().filter(|each| each.is_worse()).collect();
-        let as_bad =
-            |each: &&&Layered<'_>| each.found_by(name).is_some_and(|cell| cell.colour() == each.worst().colour());
-        let searched = all.iter().filter(|each| each.found_by(name).is_some()).count() as u64;
-        let found = worse.iter().filter(as_bad).count() as u64;
-        vec![Value::code(*name), Value::Count(searched), Value::Of(found, worse.len() as u64)]
-    };
-    let names = ["cells searched", "worst colour found, of the worse cells"];
-    Table {
-        title: "Searches, each with the same budget".into(),
-        head: std::iter::once(Column::text("search")).chain(names.map(Column::number)).collect(),
-        rows: searches.iter().map(row).collect(),
-        ..Table::default()
-    }
+    let searches = unique(all.iter().flat_map(|each| &each.found).filter_map(|cell| cell.falsifier.as_deref()));
+    let worse: Vec<&Layered<'_>> = all.iter().filter(|each| each.is_worse()).collect();
+    let as_bad =
+        |each: &Layered<'_>, name| each.found_by(name).is_some_and(|cell| cell.colour() == each.worst().colour());
+    let shown = Selection::new()
+        .text("search", |name: &&str| Value::code(*name))
+        .number("cells searched", |name| all.iter().filter(|each| each.found_by(name).is_some()).count())
+        .number("worst colour found, of the worse cells", |name| {
+            Value::Of(worse.iter().filter(|each| as_bad(each, name)).count() as u64, worse.len() as u64)
+        });
+    Table { title: "Searches, each with the same budget".into(), ..shown.table(&searches) }
 }
 
 /// The cells that got worse, with the names of their collisions; `None` if no cell did.
 fn changes(all: &[Layered<'_>]) -> Option<Table> {
-    let numbers = ["overlap", "test speed (km/h)"].map(Column::number);
-    let words = |names: [&'static str; 4]| names.map(Column::text);
-    let head = ["driver", "test"].map(Column::text).into_iter().chain(numbers);
-    let head: Vec<Column> = head.chain(words(["nominal", "worst", "found by", "replay"])).collect();
-    let row = |each: &Layered<'_>| {
-        let worst = each.worst();
-        vec![
-            Value::code(worst.policy.clone()),
-            Value::code(each.nominal.unwrap_or(worst).test.clone()),
-            Value::Percent(worst.overlap),
-            Value::number(Some(worst.test_speed * 3.6), 0),
-            each.nominal.map_or_else(|| "–".into(), shown),
-            played(worst),
-            Value::code(worst.falsifier.clone().unwrap_or_default()),
-            Value::code(worst.worst.clone().unwrap_or_default()),
-        ]
-    };
-    let rows: Vec<_> = all.iter().filter(|each| each.is_worse()).map(row).collect();
-    let title = "Cells that are worse within the layers".into();
-    (!rows.is_empty()).then(|| Table { title, head, rows, ..Table::default() })
+    let shown = Selection::new()
+        .text("driver", |each: &Layered<'_>| Value::code(&each.worst().policy))
+        .text("test", |each| Value::code(&each.nominal.unwrap_or(each.worst()).test))
+        .number("overlap", |each| Value::Percent(each.worst().overlap))
+        .number("test speed (km/h)", |each| Value::number(Some(each.worst().test_speed * 3.6), 0))
+        .text("nominal", |each| each.nominal.map(shown))
+        .text("worst", |each| played(each.worst()))
+        .text("found by", |each| Value::code(each.worst().falsifier.clone().unwrap_or_default()))
+        .text("replay", |each| Value::code(each.worst().worst.clone().unwrap_or_default()));
+    let table = shown.table(all.iter().filter(|each| each.is_worse()));
+    (!table.rows.is_empty()).then(|| Table { title: "Cells that are worse within the layers".into(), ..table })
 }
 
 /// The result of a cell with its failure.
