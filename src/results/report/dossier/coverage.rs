@@ -3,13 +3,16 @@ use std::collections::BTreeSet;
 use super::{NOT_DONE, section};
 use crate::jobs::SearchResult;
 use crate::record::CellKey;
+use crate::record::columns::{PEDESTRIAN, TOWN};
 use crate::report::Findings;
-use crate::report::render::{Column, Section, Table, Value};
+use crate::report::grouped::grouped;
+use crate::report::render::{Column, Section, Selection, Table, Value};
 use crate::tables::metrics::{COLLISION_RATE, COLLISIONS, EPISODES, FAULT_COLLISIONS};
-use crate::tables::{APPLIED, Cell, REQUIREMENT, VIOLATIONS};
+use crate::tables::{APPLIED, Cell, Metric, REQUIREMENT, VIOLATIONS};
 use compile::{HERE, NamedTown};
 use verdict::Blame;
 use world::av::DrivingMode;
+use episode::requirement::NamedRequirement;
 
 /// Factors of the operational environment that this simulator does not have.
 const NOT_MODELLED: &str = "weather other than friction, darkness other than by the sensors of a driver, slopes, kerbs, traffic beside a cast, animals, cyclists";
@@ -18,36 +21,22 @@ const NOT_MODELLED: &str = "weather other than friction, darkness other than by 
 /// the road. Gaps are shown.
 pub fn coverage(found: &Findings<'_>) -> Section {
     let campaign = found.campaign;
-    let towns = Table {
-        title: "Operational environment".into(),
-        head: head(
-            ["town", "km of lanes", "limits, km/h", "lights", "crosswalks", "obstacles"],
-            ["episodes", "faults"],
-        ),
-        rows: campaign.towns.iter().map(|town| environment(town, found)).collect(),
-        notes: vec![format!("Not modelled: {NOT_MODELLED}.")],
-        ..Table::default()
+    let kinds = Selection::new()
+        .text("pedestrian", |(name, _): &(String, [u64; 3])| name.clone())
+        .number("episodes", |(_, [episodes, ..])| *episodes)
+        .number("collisions", |(_, [_, collisions, _])| *collisions)
+        .number("faults", |(_, [.., faults])| *faults);
+    let kinds = Table { title: "Kinds of scenario".into(), ..kinds.table(&pedestrians(found)) };
+    let of_rule = |named: &NamedRequirement, count: &Metric| {
+        let own = found.gathered.requirements.iter().filter(|each| each.text(&REQUIREMENT) == *named.name);
+        let counts: Vec<u32> = own.map(|each| each.count(count)).collect();
+        if counts.is_empty() { "not judged".into() } else { Value::from(counts.iter().sum::<u32>()) }
     };
-    let kinds = Table {
-        title: "Kinds of scenario".into(),
-        head: head(["pedestrian"], ["episodes", "collisions", "faults"]),
-        rows: pedestrians(found),
-        ..Table::default()
-    };
-    let rules = campaign.requirements.iter().map(|named| {
-        let of_rule = || found.gathered.requirements.iter().filter(|each| each.text(&REQUIREMENT) == *named.name);
-        if of_rule().next().is_none() {
-            return vec![Value::from(&*named.name), "not judged".into(), "not judged".into()];
-        }
-        let sum = |metric| Value::Count(of_rule().map(|each| u64::from(each.count(metric))).sum());
-        vec![Value::from(&*named.name), sum(&APPLIED), sum(&VIOLATIONS)]
-    });
-    let rules = Table {
-        title: "Rules of the road".into(),
-        head: head(["requirement"], ["episodes to which it applied", "violations"]),
-        rows: rules.collect(),
-        ..Table::default()
-    };
+    let rules = Selection::new()
+        .text("requirement", |named: &NamedRequirement| named.name.to_string())
+        .number("episodes to which it applied", |named| of_rule(named, &APPLIED))
+        .number("violations", |named| of_rule(named, &VIOLATIONS));
+    let rules = Table { title: "Rules of the road".into(), ..rules.table(&*campaign.requirements) };
     let mut lead = Vec::new();
     if rules.rows.is_empty() {
         let is_protocol = !found.gathered.protocol.is_empty() || !found.layers.is_empty();
@@ -59,45 +48,49 @@ pub fn coverage(found: &Findings<'_>) -> Section {
         [] => "Every driver met every pedestrian, and every search if there were any, in every town.".into(),
         [..] => format!("**Gaps:** not run were {}.", holes.join("; ")),
     });
-    let tables = [towns, competency(found), kinds, rules].into_iter().filter(|table| !table.rows.is_empty());
+    let tables =
+        [environment(found), competency(found), kinds, rules].into_iter().filter(|table| !table.rows.is_empty());
     section("coverage", "Coverage", lead, tables.collect())
 }
 
-fn head<const W: usize, const N: usize>(words: [&str; W], numbers: [&str; N]) -> Vec<Column> {
-    words.map(Column::text).into_iter().chain(numbers.map(Column::number)).collect()
-}
-
-/// Episodes that counted and faults of the cells of a kind.
-fn sums<'a>(cells: impl Iterator<Item = &'a Cell>) -> [u64; 3] {
-    cells.fold([0; 3], |[episodes, collisions, faults], cell| {
-        let count = |metric| u64::from(cell.count(metric));
-        [episodes + count(&EPISODES), collisions + count(&COLLISIONS), faults + count(&FAULT_COLLISIONS)]
-    })
-}
-
-fn environment(named: &NamedTown, found: &Findings<'_>) -> Vec<Value> {
-    let NamedTown { name, town } = named;
-    let length: f64 = town.driving_lanes().iter().map(|lane| lane.length).sum();
-    let signs = town.speed_signs.iter().map(|sign| sign.limit);
-    let lanes = town.driving_lanes().iter().filter_map(|lane| town.limit(town.along(lane, 0.0)));
-    let limits: BTreeSet<u32> = signs.chain(lanes).map(|limit| (limit * 3.6).round() as u32).collect();
-    let limits: Vec<String> = limits.iter().map(u32::to_string).collect();
-    let [episodes, _, faults] = sums(found.cells.iter().filter(|cell| cell.key.town == *name));
-    let there = found.finished.all::<SearchResult>().iter().filter(|search| search.key.town == *name);
-    let (searched, found_there) = there.fold((0, 0), |(episodes, faults), search| {
-        let finds = search.failures().filter(|find| find.is(Blame::Fault));
-        (episodes + search.spent.episodes, faults + finds.count() as u64)
-    });
-    vec![
-        Value::from(name),
-        Value::number(Some(length / 1000.0), 1),
-        if limits.is_empty() { "none".into() } else { limits.join(", ").into() },
-        Value::Count(town.traffic_lights.len() as u64),
-        Value::Count(town.crosswalks.len() as u64),
-        Value::Count(town.obstacles.len() as u64),
-        Value::Count(episodes + searched),
-        Value::Count(faults + found_there),
-    ]
+fn environment(found: &Findings<'_>) -> Table {
+    let lanes = |named: &NamedTown| named.town.driving_lanes().iter().map(|lane| lane.length).sum::<f64>() / 1000.0;
+    let limits = |NamedTown { town, .. }: &NamedTown| {
+        let signs = town.speed_signs.iter().map(|sign| sign.limit);
+        let lanes = town.driving_lanes().iter().filter_map(|lane| town.limit(town.along(lane, 0.0)));
+        let limits: BTreeSet<u32> = signs.chain(lanes).map(|limit| (limit * 3.6).round() as u32).collect();
+        let limits: Vec<String> = limits.iter().map(u32::to_string).collect();
+        if limits.is_empty() { "none".to_owned() } else { limits.join(", ") }
+    };
+    let evaluated = found.cells.sums(&[TOWN], &[&EPISODES, &FAULT_COLLISIONS]);
+    let evaluated = |named: &NamedTown, count: &Metric| {
+        let own = evaluated.iter().find(|row| row.text(&TOWN) == named.name);
+        own.map_or(0, |row| row.whole_number(count.name))
+    };
+    let searches = found.finished.all::<SearchResult>();
+    let there = |named: &NamedTown| -> Vec<&SearchResult> {
+        searches.iter().filter(|search| search.key.town == named.name).collect()
+    };
+    let shown = Selection::new()
+        .text("town", |named: &NamedTown| named.name.clone())
+        .text("km of lanes", move |named| Value::number(Some(lanes(named)), 1))
+        .text("limits, km/h", limits)
+        .text("lights", |named| named.town.traffic_lights.len())
+        .text("crosswalks", |named| named.town.crosswalks.len())
+        .text("obstacles", |named| named.town.obstacles.len())
+        .number("episodes", |named| {
+            evaluated(named, &EPISODES) + there(named).iter().map(|search| search.spent.episodes).sum::<u64>()
+        })
+        .number("faults", |named| {
+            let found =
+                there(named).into_iter().flat_map(SearchResult::failures).filter(|failure| failure.is(Blame::Fault));
+            evaluated(named, &FAULT_COLLISIONS) + found.count() as u64
+        });
+    Table {
+        title: "Operational environment".into(),
+        notes: vec![format!("Not modelled: {NOT_MODELLED}.")],
+        ..shown.table(&found.campaign.towns)
+    }
 }
 
 /// What drivers did at the end of listed failures, by their own word for it.
@@ -113,44 +106,40 @@ fn competency(found: &Findings<'_>) -> Table {
         }
     }
     let name = |mode: &DrivingMode| mode.name().replace('_', " ");
-    let row = |(mode, all, faults): &(DrivingMode, u64, u64)| {
-        vec![Value::from(name(mode)), Value::Count(*all), Value::Count(*faults)]
-    };
     let (failed, others): (Vec<_>, Vec<_>) = counted.into_iter().partition(|(_, all, _)| *all > 0);
     let others: Vec<String> = others.iter().map(|(mode, ..)| name(mode)).collect();
     let others = if others.is_empty() { "none".to_owned() } else { others.join(", ") };
+    let shown = Selection::new()
+        .text("manoeuvre", |(mode, ..): &(DrivingMode, u64, u64)| name(mode))
+        .number("listed failures", |(_, all, _)| *all)
+        .number("faults", |(.., faults)| *faults);
     Table {
         title: "Competency: what the driver did when it failed".into(),
-        head: head(["manoeuvre"], ["listed failures", "faults"]),
-        rows: failed.iter().map(row).collect(),
         notes: vec![format!(
             "The worst failure of each start, at most 100 a driver. No listed failure ended in one of these: {others}. The column `driving_mode` of `episodes` has that in which \
              each evaluated episode ended; one that is not in it was not met there. Of searches it is known of failures alone."
         )],
-        ..Table::default()
+        ..shown.table(&failed)
     }
 }
 
-fn pedestrians(found: &Findings<'_>) -> Vec<Vec<Value>> {
-    let mut rows = Vec::new();
-    let controllers: BTreeSet<&str> = found.cells.iter().map(|cell| cell.key.controller.as_str()).collect();
-    for name in controllers {
-        let [episodes, collisions, faults] = sums(found.cells.iter().filter(|cell| cell.key.controller == name));
-        rows.push(vec![Value::from(name), Value::Count(episodes), Value::Count(collisions), Value::Count(faults)]);
-    }
-    let searches = found.finished.all::<SearchResult>();
-    let falsifiers: BTreeSet<&str> = searches.iter().map(|search| search.key.falsifier.as_str()).collect();
-    for name in falsifiers {
-        let own = || searches.iter().filter(|search| search.key.falsifier == name);
-        let finds = || own().flat_map(SearchResult::failures);
-        rows.push(vec![
-            format!("search: {name}").into(),
-            Value::Count(own().map(|search| search.spent.episodes).sum()),
-            Value::Count(finds().filter(|find| find.failure.outcome.is_collision()).count() as u64),
-            Value::Count(finds().filter(|find| find.is(Blame::Fault)).count() as u64),
-        ]);
-    }
-    rows
+/// Episodes, collisions and faults with each pedestrian, and of each search.
+fn pedestrians(found: &Findings<'_>) -> Vec<(String, [u64; 3])> {
+    let counts = [&EPISODES, &COLLISIONS, &FAULT_COLLISIONS];
+    let evaluated = found.cells.sums(&[PEDESTRIAN], &counts);
+    let evaluated = evaluated.iter().map(|row| {
+        (row.text(&PEDESTRIAN), counts.map(|count| row.whole_number(count.name)))
+    });
+    let mut searches = grouped(found.finished.all::<SearchResult>(), |search| &search.key.falsifier);
+    searches.sort_by_key(|members| &members[0].key.falsifier);
+    let searched = searches.iter().map(|members| {
+        let failures = || members.iter().flat_map(|search| search.failures());
+        let collisions = failures().filter(|found| found.failure.outcome.is_collision()).count() as u64;
+        let faults = failures().filter(|found| found.is(Blame::Fault)).count() as u64;
+        let episodes = members.iter().map(|search| search.spent.episodes).sum();
+        (format!("search: {}", members[0].key.falsifier), [episodes, collisions, faults])
+    });
+    evaluated.chain(searched).collect()
 }
 
 /// The combinations of driver, town and pedestrian or search that ran no episode that counts.
@@ -181,24 +170,20 @@ fn holes(found: &Findings<'_>) -> Vec<String> {
 /// Whether other simulators agree.
 pub fn worlds(found: &Findings<'_>) -> Section {
     let elsewhere = |cell: &&Cell| cell.key.is_elsewhere();
-    let row = |cell: &Cell| {
-        let home = CellKey { world: HERE.into(), ..cell.key.clone() };
-        let home = found.cells.iter().find(|other| other.key == home);
-        let rate = |cell: &Cell| Value::share(cell, &COLLISION_RATE);
-        vec![
-            Value::from(&cell.key.policy),
-            Value::from(&cell.key.town),
-            Value::from(&cell.key.controller),
-            Value::from(&cell.key.world),
-            home.map_or_else(|| Value::from("not run"), rate),
-            rate(cell),
-        ]
+    let home = |cell: &Cell| {
+        let key = CellKey { world: HERE.into(), ..cell.key.clone() };
+        found.cells.iter().find(|other| other.key == key)
     };
-    let table = Table {
-        head: head(["driver", "town", "pedestrian", "other simulator"], ["collisions here", "collisions there"]),
-        rows: found.cells.iter().filter(elsewhere).map(row).collect(),
-        ..Table::default()
-    };
+    let shown = Selection::new()
+        .text("driver", |cell: &Cell| cell.key.policy.clone())
+        .text("town", |cell| cell.key.town.clone())
+        .text("pedestrian", |cell| cell.key.controller.clone())
+        .text("other simulator", |cell| cell.key.world.clone())
+        .number("collisions here", |cell| {
+            home(cell).map_or("not run".into(), |home| Value::metric(home, &COLLISION_RATE))
+        })
+        .metric(Column::number("collisions there"), &COLLISION_RATE);
+    let table = shown.table(found.cells.iter().filter(elsewhere));
     if table.rows.is_empty() {
         let lead = format!(
             "{NOT_DONE} All its episodes ran in this program's own simulator; `worlds` in a block `evaluate` names others. A recheck in another one (`falsify recheck --world`) has a page of its own."

@@ -1,7 +1,7 @@
 use super::section;
 use crate::failure::Failure;
 use crate::report::distinct::{MAX_OF_PROGRAMS, distinct_failures};
-use crate::report::render::{Column, Section, Table, Value, place, share_of_two, who};
+use crate::report::render::{Section, Selection, Value, place, share_of_two, who};
 use crate::report::{DistinctFailure, DriverResult, Findings};
 use crate::tables::metrics::{EPISODES, FAULT_RATE};
 use base::seed::Seed;
@@ -73,27 +73,22 @@ pub fn bottom_lines(found: &Findings<'_>, shown: &[DistinctFailure]) -> Vec<Stri
 
 /// The distinct failures with their causes.
 pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
-    let row = |finding: &DistinctFailure| {
-        let Failure { key, impact_speed, impact, .. } = &finding.failure;
-        vec![
-            Value::code(finding.failure.name()),
-            Value::from(&key.cell.policy),
-            key.cell.place().into(),
-            Value::from(finding.failure.finder()),
-            Value::from(finding.failure.violation.as_ref().map_or("collision", |violated| &violated.requirement)),
-            Value::number(impact.is_some().then_some(*impact_speed), 1),
-            Value::Count(finding.merged as u64),
-            finding.commands.map_or_else(|| "–".into(), |[before, now]| format!("{before} → {now}").into()),
-            finding.cause.as_ref().map_or_else(|| no_cause(finding), Cause::sentence).into(),
-        ]
-    };
-    let words = ["failure", "driver", "town", "found by", "what failed"].map(Column::text);
-    let numbers = ["impact, m/s", "failures", "commands"].map(Column::number);
-    let table = Table {
-        head: words.into_iter().chain(numbers).chain([Column::text("cause")]).collect(),
-        rows: shown.iter().map(row).collect(),
-        ..Table::default()
-    };
+    let selection = Selection::new()
+        .text("failure", |finding: &DistinctFailure| Value::code(finding.failure.name()))
+        .text("driver", |finding| finding.failure.key.cell.policy.clone())
+        .text("town", |finding| finding.failure.key.cell.place())
+        .text("found by", |finding| finding.failure.finder())
+        .text("what failed", |finding| {
+            let violation = finding.failure.violation.as_ref();
+            violation.map_or("collision".into(), |violated| violated.requirement.clone())
+        })
+        .number("impact, m/s", |DistinctFailure { failure, .. }| {
+            Value::number(failure.impact.is_some().then_some(failure.impact_speed), 1)
+        })
+        .number("failures", |finding| finding.merged)
+        .number("commands", |finding| finding.commands.map(|[before, now]| format!("{before} → {now}")))
+        .text("cause", |finding| finding.cause.as_ref().map_or_else(|| no_cause(finding), Cause::sentence));
+    let table = selection.table(shown);
     let faults: usize = shown.iter().map(|finding| finding.merged).sum();
     let mut lead = vec![
         format!(

@@ -1,6 +1,6 @@
 use super::section;
-use crate::report::render::{Column, Section, Table, Value};
-use crate::report::{Manifest, ProgramRecord};
+use crate::report::render::{Section, Selection, Table, Value};
+use crate::report::{Manifest, ProgramRecord, ScenarioFile};
 
 /// Versions, digests, and the command that repeats everything.
 pub fn provenance(manifest: &Manifest) -> Section {
@@ -17,29 +17,25 @@ pub fn provenance(manifest: &Manifest) -> Section {
     if manifest.errors > 0 {
         lead.push(format!("**In {} episodes a program failed. No number includes them.**", manifest.errors));
     }
-    let files = Table {
-        title: "Files read".into(),
-        head: ["file", "BLAKE3"].map(Column::text).into(),
-        rows: manifest
-            .files
-            .iter()
-            .map(|file| vec![Value::from(&file.path), Value::code(file.blake3.clone())])
-            .collect(),
-        ..Table::default()
-    };
-    let of_program = |program: &ProgramRecord| -> Vec<Vec<Value>> {
-        let version = if program.version.is_empty() { "none stated" } else { &program.version };
-        let of =
-            |file: &str, digest: &str| vec![(&program.name).into(), version.into(), file.into(), Value::code(digest)];
-        let files = program.files.iter().map(|(file, digest)| of(file, digest));
-        if program.files.is_empty() { vec![of("none declared", "–")] } else { files.collect() }
-    };
-    let programs = Table {
-        title: "Programs that drive or walk".into(),
-        head: ["program", "version", "file", "BLAKE3"].map(Column::text).into(),
-        rows: manifest.programs.iter().flat_map(of_program).collect(),
-        ..Table::default()
-    };
+    let files = Selection::new()
+        .text("file", |file: &ScenarioFile| file.path.clone())
+        .text("BLAKE3", |file| Value::code(&file.blake3));
+    let files = Table { title: "Files read".into(), ..files.table(&manifest.files) };
+    type File<'a> = (&'a ProgramRecord, &'a str, &'a str);
+    let of_programs = manifest.programs.iter().flat_map(|program| {
+        let none = program.files.is_empty().then_some((program, "none declared", "–"));
+        program.files.iter().map(move |(file, digest)| (program, file.as_str(), digest.as_str())).chain(none)
+    });
+    let rows: Vec<File<'_>> = of_programs.collect();
+    let programs = Selection::new()
+        .text("program", |(program, ..): &File<'_>| program.name.clone())
+        .text("version", |(program, ..)| match program.version.as_str() {
+            "" => "none stated".into(),
+            version => version.to_owned(),
+        })
+        .text("file", |(_, file, _)| (*file).to_owned())
+        .text("BLAKE3", |(.., digest)| Value::code(*digest));
+    let programs = Table { title: "Programs that drive or walk".into(), ..programs.table(&rows) };
     let tables = [files, programs].into_iter().filter(|table| !table.rows.is_empty());
     section("provenance", "Versions and digests", lead, tables.collect())
 }

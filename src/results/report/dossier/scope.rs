@@ -1,9 +1,11 @@
 use super::{NOT_DONE, section};
-use crate::report::render::{Column, FAULT, LEFT_OUT, Section, Table, Value};
+use crate::report::grouped::grouped;
+use crate::report::render::{Column, FAULT, LEFT_OUT, Section, Selection, Table};
 use crate::report::{DistinctFailure, Findings};
 use base::signature::{Distribution, short};
-use compile::{Evaluation, Search};
+use compile::{Driver, Evaluation, Search};
 use episode::{EgoSpeed, Scenario};
+use episode::requirement::NamedRequirement;
 
 /// Who the careful human of a fault is.
 const HUMAN: &str = "Two careful humans in place of the driver, one of them 0.4 s faster, both avoid a fault with 0.1 m to spare from the instant at which the danger begins. \
@@ -23,22 +25,23 @@ pub fn scope(found: &Findings<'_>) -> Section {
     lead.push(format!("{FAULT} {HUMAN}"));
     lead.push(LEFT_OUT.into());
     lead.push(TABLES.into());
-    let row = |driver: &compile::Driver| {
-        let sensors = driver.sensors.clone().unwrap_or_else(|| "none: it perceives exactly and without delay".into());
+    let docs = |driver: &Driver| {
         let documented = campaign.words.iter().find(|word| word.form == "driver" && word.name == driver.name);
-        let docs = documented.map_or_else(String::new, |word| word.docs.clone());
-        let changed = if driver.changed.is_empty() { "none".into() } else { driver.changed.join(", ") };
-        let words = [driver.kind.into(), changed, sensors, docs, driver.surrogate.into()];
-        std::iter::once(Value::from(&driver.name)).chain(words.map(Value::from)).collect()
+        documented.map_or_else(String::new, |word| word.docs.clone())
     };
-    let drivers = Table {
-        title: "Drivers".into(),
-        head: ["driver", "kind", "keys other than the defaults", "sensors", "what it is", "as a surrogate"]
-            .map(Column::text)
-            .into(),
-        rows: campaign.drivers.iter().map(row).collect(),
-        ..Table::default()
-    };
+    let shown = Selection::new()
+        .text("driver", |driver: &Driver| driver.name.clone())
+        .text("kind", |driver| driver.kind)
+        .text("keys other than the defaults", |driver| match driver.changed.as_slice() {
+            [] => "none".into(),
+            changed => changed.join(", "),
+        })
+        .text("sensors", |driver| {
+            driver.sensors.clone().unwrap_or_else(|| "none: it perceives exactly and without delay".into())
+        })
+        .text("what it is", docs)
+        .text("as a surrogate", |driver| driver.surrogate);
+    let drivers = Table { title: "Drivers".into(), ..shown.table(&campaign.drivers) };
     section("scope", "Scope and assumptions", lead, vec![drivers, varied(found)])
 }
 
@@ -49,23 +52,21 @@ fn varied(found: &Findings<'_>) -> Table {
         evaluations.map(|each| (each.controller.name(), format!("{} episodes", each.episodes), &each.scenario));
     let searches = found.campaign.all::<Search>();
     let searches = searches.map(|each| (each.key.falsifier.as_str(), format!("{} ticks", each.budget), &each.scenario));
-    let mut rows: Vec<(Vec<Value>, u64)> = Vec::new();
-    for (name, amount, scenario) in evaluations.chain(searches) {
-        let texts = [name.to_owned(), amount].into_iter().chain(starts(scenario));
-        let row: Vec<Value> = texts.map(Value::from).collect();
-        match rows.iter_mut().find(|(known, _)| *known == row) {
-            Some((_, count)) => *count += 1,
-            None => rows.push((row, 1)),
-        }
-    }
+    let rows = evaluations.chain(searches).map(|(name, amount, scenario)| (name.to_owned(), amount, starts(scenario)));
     let starts = ["bearing, °", "distance, m", "speed of the car, m/s", "car, m", "pedestrian, m/s", "friction"];
-    let words = ["pedestrian or search", "each"].into_iter().chain(starts);
+    let shown = Selection::new()
+        .text("pedestrian or search", |equal: &Vec<(String, String, [String; 6])>| equal[0].0.clone())
+        .text("each", |equal| equal[0].1.clone())
+        .each(
+            starts.into_iter().enumerate(),
+            |(_, name)| Column::text(*name),
+            |(number, _), equal| equal[0].2[*number].clone(),
+        )
+        .number("of these", Vec::len);
     Table {
         title: "What was varied".into(),
-        head: words.map(Column::text).chain([Column::number("of these")]).collect(),
-        rows: rows.into_iter().map(|(row, count)| [row, vec![Value::Count(count)]].concat()).collect(),
         notes: vec!["One of these is a pedestrian or search in a town against a driver, in one run; a search has its ticks as its budget.".into()],
-        ..Table::default()
+        ..shown.table(&grouped(rows, Clone::clone))
     }
 }
 
@@ -96,16 +97,15 @@ fn starts(scenario: &Scenario) -> [String; 6] {
 
 /// What was required, where, and what came.
 pub fn requirements(found: &Findings<'_>, made: &[Section]) -> Section {
-    let of_campaign = found.campaign.requirements.iter();
-    let row = |named: &episode::requirement::NamedRequirement| {
-        let docs = found.campaign.words.iter().find(|word| word.form == "requirement" && *word.name == *named.name);
-        vec![Value::from(&*named.name), docs.map_or_else(String::new, |word| word.docs.clone()).into()]
+    let docs = |named: &NamedRequirement| {
+        let documented =
+            found.campaign.words.iter().find(|word| word.form == "requirement" && *word.name == *named.name);
+        documented.map_or_else(String::new, |word| word.docs.clone())
     };
-    let named = Table {
-        head: ["requirement", "what it says"].map(Column::text).into(),
-        rows: of_campaign.map(row).collect(),
-        ..Table::default()
-    };
+    let named = Selection::new()
+        .text("requirement", |named: &NamedRequirement| named.name.to_string())
+        .text("what it says", docs)
+        .table(&*found.campaign.requirements);
     let of = |id: &str| made.iter().find(|section| section.id == id);
     let (protocol, results) = (of("protocol"), of("requirements"));
     let lead = match (results, named.rows.is_empty()) {
@@ -157,10 +157,11 @@ pub fn models(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
         "traffic lights" => found.campaign.towns.iter().any(|named| !named.town.traffic_lights.is_empty()),
         _ => true,
     };
-    let table = Table {
-        head: ["what", "how", "after"].map(Column::text).into(),
-        rows: MODELS.iter().filter(is_used).map(|row| row.map(Value::from).into()).collect(),
-        ..Table::default()
-    };
+    let shown = Selection::new().each(
+        ["what", "how", "after"].into_iter().enumerate(),
+        |(_, name)| Column::text(*name),
+        |(number, _), model: &[&str; 3]| model[*number],
+    );
+    let table = shown.table(MODELS.iter().filter(is_used));
     section("models", "What is modelled, and from which source", Vec::new(), vec![table])
 }

@@ -5,7 +5,7 @@ use crate::jobs::{Repeatable, Repeated, TrainingResult, networks};
 use crate::parallel;
 use crate::report::Findings;
 use crate::report::distinct::is_of_program;
-use crate::report::render::{Column, Section, Table, Value};
+use crate::report::render::{Section, Selection, Table, Value};
 use crate::report::replayed::played_failure;
 use base::seed::Seed;
 use compile::Evaluation;
@@ -58,26 +58,21 @@ pub fn tick_error(found: &Findings<'_>, seed: &Seed) -> Section {
                 collisions += u64::from(whole.0 != fine.0);
                 faults += u64::from(whole.1 != fine.1);
             }
-            rows.push(vec![
-                Value::from(what),
-                format!("1/{parts}").into(),
-                Value::Of(collisions, all),
-                Value::Of(faults, all),
-            ]);
+            rows.push((what, parts, [collisions, faults].map(|changes| Value::Of(changes, all))));
         }
     }
+    let shown = Selection::new()
+        .text("episodes", |(what, ..): &(&str, u32, [Value; 2])| (*what).to_owned())
+        .text("tick", |(_, parts, _)| format!("1/{parts}"))
+        .number("collision or not changes", |(.., [collisions, _])| collisions.clone())
+        .number("fault or not changes", |(.., [_, faults])| faults.clone());
     let table = Table {
-        head: [Column::text("episodes"), Column::text("tick")]
-            .into_iter()
-            .chain(["collision or not changes", "fault or not changes"].map(Column::number))
-            .collect(),
-        rows,
         notes: vec![
             "The pedestrian's commands and their times are the same; the driver decides more often. A driver with noisy sensors gets other noise, and one that counts ticks other times: \
              their changes are more than numerical error."
                 .into(),
         ],
-        ..Table::default()
+        ..shown.table(&rows)
     };
     section("error", "Numerical error", Vec::new(), vec![table])
 }

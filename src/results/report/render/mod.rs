@@ -29,6 +29,6 @@ pub use sections::{Group, SectionMaker, failures_for_terminal, sections, share_o
 pub(super) use sections::{place, who};
 pub use summary::{SMOKE, summary};
 pub use table::Section;
-pub(super) use table::{Column, Table, Value};
+pub(super) use table::{Column, Selection, Table, Value};
 pub use town::{MapPage, StartLayer, Starts, TownView, map_page, spawn_map, town_map};
 pub(super) use {sections::FAULT, summary::LEFT_OUT};

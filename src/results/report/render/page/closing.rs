@@ -3,9 +3,9 @@ use std::collections::BTreeSet;
 use maud::{Markup, html};
 
 use super::markup::prose;
-use crate::report::Manifest;
 use crate::report::render::summary::LEFT_OUT;
-use crate::report::render::table::{Column, Table, Value};
+use crate::report::render::table::{Selection, Value};
+use crate::report::{Manifest, ScenarioFile};
 use compile::Campaign;
 
 /// The drivers, the names of the scenario, and the limits of the simulator.
@@ -47,17 +47,10 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
     let there = WHAT.iter().filter(|(name, _)| files.iter().any(|file| file == name));
     let known = |file: &str| WHAT.iter().any(|(name, _)| *name == file);
     let others = files.iter().filter(|file| !known(file) && [".csv", ".svg"].iter().any(|end| file.ends_with(end)));
-    let read = Table {
-        head: vec![Column::text("file"), Column::text("BLAKE3")],
-        rows: manifest
-            .files
-            .iter()
-            .map(|file| {
-                vec![Value::from(&file.path), Value::code(file.blake3.chars().take(16).collect::<String>() + "…")]
-            })
-            .collect(),
-        ..Table::default()
-    };
+    let read = Selection::new()
+        .text("file", |file: &ScenarioFile| file.path.clone())
+        .text("BLAKE3", |file| Value::code(file.blake3.chars().take(16).collect::<String>() + "…"))
+        .table(&manifest.files);
     html! {
         ul.files {
             @for (name, what) in there { li { a href=(name) { (name) } " " (what) } }
