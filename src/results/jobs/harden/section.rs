@@ -4,7 +4,7 @@ use crate::report::table::{Column, Place, Section, Selection, Table, Value};
 use base::signature::short;
 use base::statistics::wilson;
 use compile::Planned;
-use world::hardening::{Round, Tested};
+use search::hardening::{Round, Tested};
 
 /// What hardenings changed: a row for each driver and run, and each test; `None` without any.
 pub fn hardened(found: &Findings<'_>) -> Option<Section> {

@@ -10,9 +10,9 @@ use crate::report::render::{Column, Section, Selection, Table, Value};
 use crate::tables::metrics::{COLLISION_RATE, COLLISIONS, EPISODES, FAULT_COLLISIONS};
 use crate::tables::{APPLIED, Cell, Metric, REQUIREMENT, VIOLATIONS};
 use compile::{HERE, NamedTown};
+use episode::requirement::NamedRequirement;
 use verdict::Blame;
 use world::av::DrivingMode;
-use episode::requirement::NamedRequirement;
 
 /// Factors of the operational environment that this simulator does not have.
 const NOT_MODELLED: &str = "weather other than friction, darkness other than by the sensors of a driver, slopes, kerbs, traffic beside a cast, animals, cyclists";

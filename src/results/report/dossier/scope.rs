@@ -4,8 +4,8 @@ use crate::report::render::{Column, FAULT, LEFT_OUT, Section, Selection, Table};
 use crate::report::{DistinctFailure, Findings};
 use base::signature::{Distribution, short};
 use compile::{Driver, Evaluation, Search};
-use episode::{EgoSpeed, Scenario};
 use episode::requirement::NamedRequirement;
+use episode::{EgoSpeed, Scenario};
 
 /// Who the careful human of a fault is.
 const HUMAN: &str = "Two careful humans in place of the driver, one of them 0.4 s faster, both avoid a fault with 0.1 m to spare from the instant at which the danger begins. \

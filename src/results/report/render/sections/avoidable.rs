@@ -3,8 +3,8 @@ use crate::report::Findings;
 use crate::report::render::page::{named, verdicts};
 use crate::report::render::table::{Column, Depth, Section, Value};
 use crate::tables::metrics::{
-    COLLISIONS, EPISODES, EXPECTED_PREVENTABLE, FAULT_RATE, FORESEEABLE_COLLISIONS, LABELLED, PREVENTABLE_COLLISIONS,
-    PREVENTABLE_RATE, PREVENTABLE_SHARE, WALKED_INTO_COLLISIONS,
+    COLLISIONS, EPISODES, EXPECTED_PREVENTABLE, FAULT_RATE, FORESEEABLE_COLLISIONS, LABELLED, PREVENTABLE_RATE,
+    PREVENTABLE_SHARE, WALKED_INTO_COLLISIONS,
 };
 use crate::tables::{Cell, Metric};
 
@@ -40,7 +40,7 @@ pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
         return None;
     }
     let share = |cell: &Cell, count: &Metric| Some(f64::from(cell.count(count)) / f64::from(cell.count(&COLLISIONS)));
-    let [_, contested, machine_preventable, unpreventable, _] = LABELLED;
+    let [preventable, contested, machine_preventable, unpreventable, _] = LABELLED;
     // The figure shows these shares; their numbers are folded on the page.
     let shares = [
         ("contested", contested),
@@ -57,9 +57,9 @@ pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
         .number("95 %", |cell| Value::interval(cell.rate(&FAULT_RATE).interval))
         .metric(Column::number("expected"), &EXPECTED_PREVENTABLE)
         .column(Column::number("preventable (95 %)").detail(), |cell| {
-            let (part, whole) = (cell.count(&PREVENTABLE_COLLISIONS), cell.count(&COLLISIONS));
-            let value = share(cell, &PREVENTABLE_COLLISIONS);
-            Value::or_count(Value::estimate(value, cell.rate(&PREVENTABLE_SHARE).interval, 2), value, part, whole)
+            let value = share(cell, preventable);
+            let estimate = Value::estimate(value, cell.rate(&PREVENTABLE_SHARE).interval, 2);
+            Value::or_count(estimate, value, cell.count(preventable), cell.count(&COLLISIONS))
         })
         .each(
             shares,

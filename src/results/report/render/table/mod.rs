@@ -264,6 +264,22 @@ mod tests {
     }
 
     #[test]
+    fn a_selection_has_a_heading_and_a_value_for_each_column() {
+        let shown = Selection::new()
+            .text("name", |(name, _): &(&str, [u64; 2])| (*name).to_owned())
+            .each([0, 1], |run| Column::number(format!("run {run}")), |run, (_, counts)| counts[*run])
+            .when(false, |shown| shown.text("absent", |_| "x"));
+        let rows = [("a", [1, 2]), ("b", [3, 4])];
+        let groups = [("first".to_owned(), vec![&rows[0]]), ("second".to_owned(), vec![&rows[1]])];
+        assert_eq!(
+            shown.table(&rows).to_terminal(80),
+            "  name  run 0  run 1\n  a         1      2\n  b         3      4\n"
+        );
+        assert_eq!(shown.grouped(groups).rows[2], vec!["second".into(), Value::from(""), "".into()]);
+        assert_eq!(unique([2, 1, 2]), [2, 1]);
+    }
+
+    #[test]
     fn a_table_is_the_same_in_three_forms() {
         assert_eq!(table().to_terminal(80), "  who           rate\n  a|<b>  0.50 ± 0.12\n  c                –\n");
         assert_eq!(
