@@ -127,9 +127,8 @@ fn competency(found: &Findings<'_>) -> Table {
 fn pedestrians(found: &Findings<'_>) -> Vec<(String, [u64; 3])> {
     let counts = [&EPISODES, &COLLISIONS, &FAULT_COLLISIONS];
     let evaluated = found.cells.sums(&[PEDESTRIAN], &counts);
-    let evaluated = evaluated.iter().map(|row| {
-        (row.text(&PEDESTRIAN), counts.map(|count| row.whole_number(count.name)))
-    });
+    let evaluated =
+        evaluated.iter().map(|row| (row.text(&PEDESTRIAN), counts.map(|count| row.whole_number(count.name))));
     let mut searches = grouped(found.finished.all::<SearchResult>(), |search| &search.key.falsifier);
     searches.sort_by_key(|members| &members[0].key.falsifier);
     let searched = searches.iter().map(|members| {

@@ -14,9 +14,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let by_cell: BTreeMap<(&CellKey, String), &Cell> =
         found.iter().map(|each| ((&each.key, each.text(&REQUIREMENT)), each)).collect();
     let names = grouped(found.iter(), |each| each.text(&REQUIREMENT));
-    let first = |members: &Vec<&Cell>| {
-        (members[0].text(&REQUIREMENT), NoVerdict::named(&members[0].text(&NO_VERDICT)))
-    };
+    let first = |members: &Vec<&Cell>| (members[0].text(&REQUIREMENT), NoVerdict::named(&members[0].text(&NO_VERDICT)));
     let names: Vec<(String, Option<NoVerdict>)> = names.iter().map(first).collect();
     if names.is_empty() {
         return None;
