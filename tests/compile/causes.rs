@@ -123,6 +123,8 @@ impl Defective {
     }
 
     fn look(&mut self, perception: &Perception<'_>) -> Vector {
+        let places = perception.pedestrians.iter().map(|actor| actor.pose);
+        assert!(places.map(|pose| pose.x + pose.y + pose.yaw).all(f64::is_finite), "{perception:?}");
         let (defect, tick, phase, ego) = (self.defect, self.tick, self.phase, &perception.ego);
         let mut slower = ego.velocity;
         if defect == Defect::StoppingDistance {

@@ -34,6 +34,51 @@ fn run(here: &Path) {
     assert!(output.status.success(), "{output:?}");
 }
 
+/// What `failures --why` says of a driver that brakes late for somebody who moves and gently for somebody who stands, after a change of its text.
+fn why(here: &Path, changed: &str) -> String {
+    let driver = std::fs::read_to_string(crate::repository().join("tests/external/braking.py")).unwrap();
+    let gentle = driver
+        .replace("beside < 1.6", "(abs(left) < 4 if math.hypot(actor['vx'], actor['vy']) > 0.1 else abs(left) < 1.6)")
+        .replace("reach = 6 +", "reach = 1 +")
+        .replace(
+            "-8 if brakes",
+            "(-8 if any(math.hypot(a['vx'], a['vy']) > 0.1 for a in world['actors']) else -0.7) if brakes",
+        )
+        .replace(
+            "    ego = world[\"ego\"]\n    if not",
+            &format!("    ego = world[\"ego\"]\n    {changed}\n    if not"),
+        );
+    assert!(gentle.contains(changed) && gentle.contains("-0.7"));
+    std::fs::write(here.join("driver.py"), gentle).unwrap();
+    let street = "town open { street along { through: [(0 m, 0 m), (150 m, 0 m), (300 m, 0 m)] } }\ndriver own";
+    std::fs::write(here.join("c.scn"), SCENARIO.replace("driver own", street).replace("[village]", "[open]")).unwrap();
+    let output = falsify(&["run", "c.scn", "--allow-external", "--seed", "3"], here);
+    assert!(output.status.success(), "{output:?}");
+    let output = falsify(&["failures", "--why", "--allow-external", "--verdict", "fault", "--top", "1"], here);
+    String::from_utf8(output.stdout).unwrap().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[needs(python)]
+#[test]
+fn what_a_driver_sees_with_one_thing_changed_is_somewhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let null = "[open('null.txt', 'w') for actor in world['actors'] if None in actor.values()]";
+    let said = why(folder.path(), null);
+    assert!(said.contains("The driver has the pedestrian in sight"), "{said}");
+    assert!(!folder.path().join("null.txt").exists(), "{said}");
+}
+
+#[needs(python)]
+#[test]
+fn a_driver_that_ends_with_one_thing_changed_has_not_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    // In the run-up, too, nobody is there, with the speed that the car has only later.
+    let ends = "world['actors'] or ego['speed'] < 5 or world['tick'] < 20 or sys.exit(4)";
+    let said = why(folder.path(), ends);
+    let unknown = "A cause was not found. With one thing changed, the driver ended before it answered with exit code 4";
+    assert!(said.contains(unknown) && !said.contains("--max-runs"), "{said}");
+}
+
 #[needs(python)]
 #[test]
 fn the_cause_of_a_program_stands_in_its_dossier_and_below_a_gate_that_fails() {

@@ -337,7 +337,7 @@ fn tell(listed: &[ListedFailure], all: usize) {
         console::say("");
         console::say(console::wrapped(&text).trim_end());
     }
-    if listed.iter().filter_map(|each| each.cause.as_ref()).any(|cause| cause.is_cut) {
+    if listed.iter().filter_map(|each| each.cause.as_ref()).any(|cause| cause.is_cut && cause.fault.is_none()) {
         console::say("`--max-runs` raises the limit of runs.");
     }
     if listed.len() < all {

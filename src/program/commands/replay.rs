@@ -174,7 +174,7 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[
     let paragraph = |text: &str| console::say(&format!("{}\n", console::wrapped(text).trim_end()));
     if let Some(cause) = cause {
         paragraph(&cause.sentence());
-        if cause.is_cut {
+        if cause.is_cut && cause.fault.is_none() {
             paragraph("`--max-runs` raises the limit.");
         }
         if !cause.faculties.is_empty() {
@@ -309,6 +309,7 @@ fn cause_json(cause: &Cause) -> serde_json::Value {
         "perfected": cause.faculties.iter().map(|(what, turns)| json!({ "what": what, "turns": turns })).collect::<Vec<_>>(),
         "tried": cause.tried.iter().map(|(what, turns)| json!({ "change": what, "turns": turns })).collect::<Vec<_>>(),
         "runs": cause.runs,
-        "limit_reached": cause.is_cut,
+        "limit_reached": cause.is_cut && cause.fault.is_none(),
+        "no_answer": cause.fault.map(|fault| fault.to_string()),
     })
 }

@@ -4,6 +4,7 @@ use super::altered::{BRAKING, Story};
 use super::{Change, Incident, Rerun, Reruns, RunLimit};
 use episode::{Criterion, Pair, PolicyMaker, Scenario, VehicleFrame};
 use road::geometry::Point;
+use world::av::Fault;
 use world::sim::{Control, WalkCommand};
 
 /// Time after the touch for which a run that avoids it goes on (s).
@@ -28,8 +29,10 @@ pub(super) struct Experiments<'a> {
     limit: RunLimit<'a>,
     /// The number of episodes up to now.
     pub runs: u32,
-    /// Whether a run was wanted beyond the limit.
+    /// Whether a run was wanted beyond the limit, or had no answer of the driver.
     pub is_cut: bool,
+    /// Why the driver failed as a program in a run: what it does then is no evidence.
+    pub fault: Option<Fault>,
     /// What was tried, each with whether it turns the failure or shows a weakness.
     pub tried: Vec<(String, bool)>,
     /// Changes that were run, each with whether it turns the failure.
@@ -60,7 +63,16 @@ impl<'a> Experiments<'a> {
         endless.episode.ticks = base.outcome.ticks + (AFTER / endless.episode.tick) as u32;
         let probes = Reruns::with(incident, Arc::new(endless));
         let (tried, known) = (Vec::new(), Vec::new());
-        Some(Self { incident, base, scenario, story, reruns, probes, limit, runs: 1, is_cut: false, tried, known })
+        let (runs, is_cut, fault) = (1, false, None);
+        Some(Self { incident, base, scenario, story, reruns, probes, limit, runs, is_cut, fault, tried, known })
+    }
+
+    /// A run in which the driver answered; after another one there are no more.
+    fn answered(&mut self, rerun: Option<Rerun>) -> Option<Rerun> {
+        let rerun = rerun?;
+        self.fault = rerun.outcome.fault();
+        self.is_cut |= self.fault.is_some();
+        self.fault.is_none().then_some(rerun)
     }
 
     /// Counts a run; `None` beyond the limit.
@@ -109,7 +121,9 @@ impl<'a> Experiments<'a> {
     pub fn run(&mut self, change: Change) -> Option<Rerun> {
         self.count()?;
         let story = self.story.clone();
-        self.reruns.run_with(&self.incident.commands, &(Arc::new(move |driver| story.alter(driver, change)) as _))
+        let wrap = Arc::new(move |driver| story.alter(driver, change)) as _;
+        let rerun = self.reruns.run_with(&self.incident.commands, &wrap);
+        self.answered(rerun)
     }
 
     /// Whether the driver presses its brake no harder in a time before the end (s) than at the beginning of that time.
@@ -149,8 +163,8 @@ impl<'a> Experiments<'a> {
         }
         let mut reruns = Reruns::with(self.incident, scenario);
         let start = |rerun: &Rerun| rerun.trace.pedestrian(0).first().map(|first| first.pose);
-        let rerun = reruns.run(&self.incident.commands).filter(|rerun| start(rerun) == start(&self.base));
-        rerun.is_some_and(|rerun| self.avoids(&rerun))
+        let rerun = self.answered(reruns.run(&self.incident.commands));
+        rerun.filter(|rerun| start(rerun) == start(&self.base)).is_some_and(|rerun| self.avoids(&rerun))
     }
 
     /// What turns the failure if it is not there: the traffic lights, or one of the obstacles that hide the pedestrian. What was tried is noted.
@@ -223,7 +237,8 @@ impl<'a> Experiments<'a> {
         let still = vec![WalkCommand { heading, speed: role.action.speed.0 }; self.scenario.cast.pedestrians.len()];
         self.count()?;
         let (story, change) = (self.story.clone(), Change::Appears { from, somebody, speed });
-        self.probes.run_with(&still, &(Arc::new(move |driver| story.alter(driver, change)) as _))
+        let rerun = self.probes.run_with(&still, &(Arc::new(move |driver| story.alter(driver, change)) as _));
+        self.answered(rerun)
     }
 
     /// The ticks in which the driver brakes: the first, the last, and whether it has let go before the end while the car moved. `None` if it does not

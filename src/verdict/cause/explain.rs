@@ -7,7 +7,7 @@ use super::violated::violated_part;
 use super::{Change, Incident};
 use crate::Traffic;
 use episode::{Criterion, DriverParts};
-use world::av::{DrivingMode, Weakness};
+use world::av::{DrivingMode, Fault, Weakness};
 
 /// Response times above this (s) count as a delay: two ticks of most drivers are none.
 const PROMPT: f64 = 0.15;
@@ -82,6 +82,8 @@ pub struct Cause {
     /// Whether more runs were wanted than the limit allows. What was not asked by then is left out, and the weakness is
     /// [`Weakness::NotFound`] if the cause depends on that.
     pub is_cut: bool,
+    /// Why there were no more runs before the limit: the driver failed as a program in one, which is no evidence.
+    pub fault: Option<Fault>,
 }
 
 /// What is asked about a failure.
@@ -149,7 +151,7 @@ pub fn explain(incident: &Incident, questions: Questions, limit: RunLimit<'_>) -
     }
     let end = if incident.criterion == Criterion::Collision { "the collision" } else { "the end of the episode" };
     let violated = it.violated();
-    Some(Cause { end, violated, tried: it.tried, runs: it.runs, is_cut: it.is_cut, ..cause })
+    Some(Cause { end, violated, tried: it.tried, runs: it.runs, is_cut: it.is_cut, fault: it.fault, ..cause })
 }
 
 /// What happened, in ticks of the episode.
@@ -334,7 +336,7 @@ impl Experiments<'_> {
         let [fixed, growing] = self.needed(profile);
         let [reach, _] = profile.reach;
         let is_short = profile.is_fixed() && reach < fixed;
-        let gap = profile.gap.unwrap_or(f64::INFINITY);
+        let nearer = profile.gap.map(|gap| growing - gap);
         let is_unforeseen = named == Weakness::Anticipation;
         let lets_go = profile.releases && (*released || reaction.is_none());
         [
@@ -345,7 +347,7 @@ impl Experiments<'_> {
             (Weakness::LetsGo, lets_go, vec![Change::KeepsBraking]),
             (Weakness::WeakBrake, profile.deceleration < WEAK.1, vec![Change::BrakesFully]),
             (Weakness::Range, is_short, vec![Change::Nearer(fixed - reach)]),
-            (Weakness::Distance, !is_short && gap < growing, vec![Change::Nearer(growing - gap)]),
+            (Weakness::Distance, !is_short && nearer > Some(0.0), nearer.map(Change::Nearer).into_iter().collect()),
             (Weakness::Anticipation, true, vec![Change::TrueVelocity, Change::Foretold]),
             (Weakness::Distance, is_unforeseen, PARTS.map(|part| Change::Nearer(part * MAX.2)).into()),
         ]

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::{Incident, Reruns};
+use super::{Incident, Rerun, Reruns};
 use crate::Blame;
 use episode::Scenario;
 use world::sim::ActorId;
@@ -19,7 +19,7 @@ pub struct Need {
 /// controller or a driver of their own do what it chooses then, and the others carry out the recorded commands. A fault that is a failure
 /// without being a fault any more has ended.
 ///
-/// Empty for one car and one pedestrian, and for a failure that cannot be repeated.
+/// Empty for one car and one pedestrian, for a failure that cannot be repeated, and where a program fails.
 pub fn needs(incident: &Incident) -> Vec<Need> {
     let incident = &incident.lasting();
     let Incident { scenario, criterion, commands, .. } = incident;
@@ -32,11 +32,12 @@ pub fn needs(incident: &Incident) -> Vec<Need> {
     let without = |actor: ActorId| {
         let scenario = Arc::new(Scenario { cast: cast.without(actor), ..Scenario::clone(scenario) });
         let rerun = Reruns::with(incident, scenario.clone()).run(commands);
-        let fails = rerun
-            .is_some_and(|rerun| rerun.outcome.counts() && rerun.judged(*criterion, &scenario).is(*criterion, blame));
-        Need { actor, name: cast.name(actor).clone(), is_needed: !fails }
+        // A program that fails says nothing.
+        let rerun = rerun.filter(|rerun| rerun.outcome.fault().is_none());
+        let is = |rerun: Rerun| rerun.outcome.counts() && rerun.judged(*criterion, &scenario).is(*criterion, blame);
+        rerun.map(|rerun| Need { actor, name: cast.name(actor).clone(), is_needed: !is(rerun) })
     };
-    others.into_iter().map(without).collect()
+    others.into_iter().map(without).collect::<Option<_>>().unwrap_or_default()
 }
 
 /// Which actors a failure needs, as a sentence.

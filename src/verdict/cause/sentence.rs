@@ -19,9 +19,12 @@ impl Cause {
     /// The cause in a few sentences, without the name of the driver: the violation of a requirement, `The driver drives off after a red light, has the pedestrian
     /// in sight for 2.4 s and does not react: …`, then the setting that avoids it.
     pub fn sentence(&self) -> String {
-        let cut = match self.is_cut {
-            true => format!(" The limit of {} runs was reached, so not all was tried.", self.runs),
-            false => String::new(),
+        let cut = match self.fault {
+            Some(fault) => {
+                format!(" With one thing changed, the driver {fault} in run {}: not all was tried.", self.runs)
+            }
+            None if self.is_cut => format!(" The limit of {} runs was reached, so not all was tried.", self.runs),
+            None => String::new(),
         };
         let (who, violated) = match &self.violated {
             Some(violated) => ("It", format!("The driver violates {violated}. ")),

@@ -1,6 +1,6 @@
 use super::give_way::next_sign;
 use super::lane_keeping::limit_here;
-use super::{Path, Perception};
+use super::{Actor, Path, Perception};
 use crate::sim::{ActorId, LightColour};
 use road::geometry::{Pose, Vector};
 use road::{GiveWay, LaneKind, RoutePoint, Town, Waypoint};
@@ -98,7 +98,10 @@ impl View {
         self.actors.clear();
         let pedestrians = perception.pedestrians.iter().map(|actor| (Kind::Pedestrian, actor));
         let vehicles = perception.vehicles.iter().map(|actor| (Kind::Vehicle, actor));
-        let in_sight = pedestrians.chain(vehicles).filter(|(_, actor)| perception.in_sight(actor));
+        // A place that is no number has no form in a message.
+        let is_somewhere = |actor: &Actor| (actor.pose.x + actor.pose.y).is_finite();
+        let in_sight =
+            pedestrians.chain(vehicles).filter(|(_, actor)| is_somewhere(actor) && perception.in_sight(actor));
         self.actors.extend(in_sight.map(|(kind, actor)| Seen {
             id: number(actor.id),
             kind,
