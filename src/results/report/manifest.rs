@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::jobs::work;
 use crate::record::CellKey;
+use crate::report::text_forms::is_formula;
 use compile::{Evaluation, ExternalProgram, Job, Training};
 
 /// All data that are needed to repeat a campaign.
@@ -224,7 +225,14 @@ impl Manifest {
     /// # Errors
     /// The error of the parser.
     pub fn from_toml(text: &str) -> Result<Self, String> {
-        toml::from_str(text).map_err(|error| error.message().to_string())
+        let manifest: Self = toml::from_str(text).map_err(|error| error.message().to_string())?;
+        let mut names = vec![&manifest.campaign];
+        names.extend(&manifest.baselines);
+        names.extend(manifest.programs.iter().map(|program| &program.name));
+        names.extend(manifest.runs.iter().flat_map(|run| [&run.vehicle, &run.body, &run.spawn]));
+        names.extend(manifest.trainings.iter().flat_map(|each| [&each.town, &each.driver, &each.reward]));
+        let wrong = names.into_iter().find(|name| is_formula(name)).map(|name| format!("`{name:.40}` is no name"));
+        wrong.map_or(Ok(manifest), Err)
     }
 
     /// The command that makes the report again, for a shell.

@@ -19,6 +19,7 @@ use crate::report::failure_table::FAILURES;
 use crate::report::folder::{MARK, digest, is_sealed, report_files};
 use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
+use crate::report::text_forms::without_formulas;
 use crate::report::{Manifest, RunRecord, ScenarioFile};
 use base::files;
 use compile::{NoRunId, RunId, Training};
@@ -405,7 +406,8 @@ impl StoredReport {
             Err(source) => return Err(ReadError::File { path, source }),
         };
         let most = self.written(table).and_then(|written| written.rows).unwrap_or(u64::MAX);
-        read_parquet(file, most, columns, rows).map(Some).map_err(|source| ReadError::Table { path, source })
+        let table = read_parquet(file, most, columns, rows).and_then(without_formulas);
+        table.map(Some).map_err(|source| ReadError::Table { path, source })
     }
 
     /// The names of all rows of a table.
