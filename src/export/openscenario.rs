@@ -69,7 +69,9 @@ impl Exporter for OpenScenario {
     fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
         let map = opendrive::map_file(&episode.scenario.town)?;
         let storyboard = Storyboard::new(self.0, episode, variant, &map.name)?;
-        let scenario = ExportFile { name: format!("{}.xosc", episode.stem()), bytes: storyboard.text().into_bytes() };
+        let version = if self.0 == Version::V1_0 { "-1.0" } else { "" };
+        let name = format!("{}{version}.xosc", episode.stem());
+        let scenario = ExportFile { name, bytes: storyboard.text().into_bytes() };
         Ok(vec![scenario, map])
     }
 }
