@@ -200,9 +200,14 @@ impl Failure {
         if let Some(violation) = &self.violation {
             return violation.text();
         }
-        let occluded = if self.is_occluded() { "occluded, " } else { "" };
-        let mode = self.driving_mode.map_or(String::new(), |mode| mode.name().replace('_', " "));
-        format!("{}, {occluded}{mode}", self.impact.map_or("", Impact::name))
+        let occluded = self.is_occluded().then(|| "occluded".to_owned());
+        let mode = self.driving_mode.filter(|mode| *mode != DrivingMode::Unknown);
+        let words = [
+            Some(self.impact.map_or("", Impact::name).to_owned()),
+            occluded,
+            mode.map(|mode| mode.name().replace('_', " ")),
+        ];
+        words.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     /// Whether the pedestrian came into sight too late for a careful human.

@@ -50,7 +50,7 @@ impl fmt::Display for FailureKind {
         f.write_str(blame.map_or(Blame::Any, |(blame, _)| blame).name())?;
         let impact = self.impact.map(|impact| impact.name().to_string());
         let occluded = self.occluded.then(|| "occluded".to_string());
-        let mode = self.mode.map(|mode| mode.name().replace('_', " "));
+        let mode = self.mode.filter(|mode| *mode != DrivingMode::Unknown).map(|mode| mode.name().replace('_', " "));
         [impact, occluded, mode].into_iter().flatten().try_for_each(|word| write!(f, ", {word}"))
     }
 }

@@ -29,6 +29,13 @@ choice! {
     }
 }
 
+impl DrivingMode {
+    /// Its name in texts for people.
+    pub fn shown(self) -> &'static str {
+        if self == Self::Unknown { "not stated" } else { self.name() }
+    }
+}
+
 /// The driver of a vehicle.
 pub trait DrivingPolicy: Send {
     /// Forgets the last episode and prepares for one that starts with this perception; `stream` is the policy's own.

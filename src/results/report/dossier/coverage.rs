@@ -105,9 +105,10 @@ fn competency(found: &Findings<'_>) -> Table {
             }
         }
     }
-    let name = |mode: &DrivingMode| mode.name().replace('_', " ");
+    let name = |mode: &DrivingMode| mode.shown().replace('_', " ");
     let (failed, others): (Vec<_>, Vec<_>) = counted.into_iter().partition(|(_, all, _)| *all > 0);
-    let others: Vec<String> = others.iter().map(|(mode, ..)| name(mode)).collect();
+    let others = others.iter().filter(|(mode, ..)| *mode != DrivingMode::Unknown);
+    let others: Vec<String> = others.map(|(mode, ..)| name(mode)).collect();
     let others = if others.is_empty() { "none".to_owned() } else { others.join(", ") };
     let shown = Selection::new()
         .text("manoeuvre", |(mode, ..): &(DrivingMode, u64, u64)| name(mode))

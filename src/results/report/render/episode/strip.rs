@@ -26,7 +26,7 @@ pub fn strip(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, titl
     let height = FRAMES.div_ceil(COLUMNS) as f64 * (tall + CAPTION + GAP) - GAP;
     let sheet = Sheet::new(&view, (width, height), SPEEDS);
     let ticks: Vec<usize> = (0..FRAMES).map(|frame| first + (last - first) * frame / (FRAMES - 1)).collect();
-    let mode = |tick: usize| view.frame(tick).mode.name().replace('_', " ");
+    let mode = |tick: usize| view.frame(tick).mode.shown().replace('_', " ");
     let speeds = |tick: usize| {
         let frame = view.frame(tick);
         format!("car {:.1} m/s, pedestrian {:.1} m/s", frame.ego.speed, frame.pedestrian.speed())

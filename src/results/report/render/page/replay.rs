@@ -103,7 +103,7 @@ impl Replay {
         let mut modes: Vec<(usize, &'static str)> = Vec::new();
         for (tick, frame) in frames.iter().enumerate() {
             // The first frame is before the driver's first decision.
-            let name = frames.get(1).filter(|_| tick == 0).unwrap_or(frame).mode.name();
+            let name = frames.get(1).filter(|_| tick == 0).unwrap_or(frame).mode.shown();
             if modes.last().is_none_or(|(_, known)| *known != name) {
                 modes.push((tick, name));
             }
