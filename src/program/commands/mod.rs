@@ -22,7 +22,8 @@ mod demo;
 mod lsp;
 mod preview;
 
-use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Arg, CommandFactory, Parser, Subcommand, ValueEnum};
 
 use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
@@ -181,11 +182,24 @@ impl Command {
             Self::Preview(options) => preview::preview(&options),
             Self::Completions { shell } => {
                 let mut script = Vec::new();
-                clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
+                let mut command = Arguments::command().mut_subcommands(|command| command.mut_args(without_quotes));
+                clap_complete::generate(shell, &mut command, "falsify", &mut script);
                 console::say(String::from_utf8_lossy(&script).trim_end());
                 Ok(ExitCode::Done)
             }
         }
+    }
+}
+
+/// The same without quotes and dollars in the descriptions of its values, which have a meaning to fish and zsh there.
+fn without_quotes(argument: Arg) -> Arg {
+    let plain = |value: &PossibleValue| {
+        let help = value.get_help().map(|help| help.to_string().replace(['"', '`', '$'], "'"));
+        PossibleValue::new(value.get_name().to_owned()).hide(value.is_hide_set()).help(help.unwrap_or_default())
+    };
+    match argument.get_possible_values().as_slice() {
+        [] => argument,
+        values => argument.value_parser(PossibleValuesParser::new(values.iter().map(plain))),
     }
 }
 
