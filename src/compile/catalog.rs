@@ -37,6 +37,8 @@ pub struct Catalog {
     pub(super) walkers: Vec<WalkerKind>,
     pub(super) falsifiers: Vec<FalsifierKind>,
     pub(super) opener: Option<Arc<dyn Opener>>,
+    /// Whether a program is a warning, since none is started.
+    pub(super) looks_up: bool,
     pub(super) network_trial: Option<Arc<NetworkTrial>>,
     pub(super) map_writer: Option<Arc<MapWriter>>,
 }
@@ -70,6 +72,7 @@ impl Catalog {
             walkers: Vec::new(),
             falsifiers: Vec::new(),
             opener: None,
+            looks_up: false,
             network_trial: None,
             map_writer: None,
         };
@@ -82,6 +85,11 @@ impl Catalog {
     /// The same; scenarios may start programs through this opener.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }
+    }
+
+    /// The same; programs are looked up through this opener, and a warning says that none is started.
+    pub fn looking_up(self, opener: Arc<dyn Opener>) -> Self {
+        Self { looks_up: true, ..self.with_opener(opener) }
     }
 
     /// The same; networks in ONNX files are tried in this way first. Without a trial a network may take any memory and time.

@@ -57,10 +57,11 @@ impl Lowering<'_> {
                 return None;
             }
         };
-        let Some(opener) = self.catalog.opener.clone() else {
-            diagnostics::external_not_allowed(self.said, place, command);
-            return None;
-        };
+        let opener = self.catalog.opener.clone();
+        if opener.is_none() || self.catalog.looks_up {
+            diagnostics::external_not_allowed(self.said, place, command, opener.is_none());
+        }
+        let opener = opener?;
         if let Err(reason) = opener.find(&program) {
             self.said.push(diagnostics::unusable_command(place, command, &reason));
             return None;

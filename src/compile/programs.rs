@@ -52,7 +52,7 @@ impl Lowering<'_> {
         program: &Program,
         opener: &dyn Opener,
     ) -> Result<(), String> {
-        if !self.read.wanted() || self.noted(declaration).is_some() {
+        if !self.read.wanted() || self.catalog.looks_up || self.noted(declaration).is_some() {
             return Ok(());
         }
         let ProgramKeys { command, version, .. } = declaration.block.keys();

@@ -247,13 +247,16 @@ pub fn is_unplaceable(diagnostic: &Diagnostic) -> bool {
     diagnostic.code == "unplaceable"
 }
 
-/// A scenario names a program to be started, and the user has not allowed that: one error for all programs.
-pub fn external_not_allowed(said: &mut Vec<Diagnostic>, span: Span, command: &str) {
+/// A scenario names a program to be started, and the user has not allowed that: one error for all programs, or one warning where nothing is run.
+pub fn external_not_allowed(said: &mut Vec<Diagnostic>, span: Span, command: &str, is_error: bool) {
     if let Some(known) = said.iter_mut().find(|each| each.code == "external-not-allowed") {
-        *known = known.clone().label(span, "and this one");
+        if known.primary.span != span && known.labels.iter().all(|label| label.span != span) {
+            *known = known.clone().label(span, "and this one");
+        }
         return;
     }
-    let first = Diagnostic::error("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))
+    let make = if is_error { Diagnostic::error } else { Diagnostic::warning };
+    let first = make("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))
         .help("`--allow-external` (in Python `allow_external=True`) lets scenarios start programs; give it only with files that you trust");
     said.push(first);
 }

@@ -62,11 +62,22 @@ pub fn catalog() -> Catalog {
 
 /// A session that reports on the error stream, with progress on a terminal alone, and stops at Ctrl-C.
 pub fn session(allow_external: bool) -> Session {
-    let catalog = without_programs();
-    let session = Session::new(match allow_external {
-        true => catalog.with_opener(Arc::new(ProcessOpener::default().asking())),
-        false => catalog,
-    });
+    session_in(match allow_external {
+        true => without_programs().with_opener(Arc::new(ProcessOpener::default().asking())),
+        false => without_programs(),
+    })
+}
+
+/// The same for a check: a program that is not allowed is looked up, with a warning.
+pub fn checking_session(allow_external: bool) -> Session {
+    match allow_external {
+        true => session(true),
+        false => session_in(without_programs().looking_up(Arc::new(ProcessOpener::default()))),
+    }
+}
+
+fn session_in(catalog: Catalog) -> Session {
+    let session = Session::new(catalog);
     let showing = if std::io::stderr().is_terminal() { Showing::Bars } else { Showing::None };
     let session = session.with_observer(Arc::new(Reporter::new(showing))).with_stop(interrupt::stop());
     session.with_folder(std::env::current_dir().unwrap_or_default())

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::console;
 use crate::cli::failure::{failed, misused};
-use crate::cli::input::{GivenArgs, session};
+use crate::cli::input::{GivenArgs, checking_session};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Checked, Disk, Error};
 use base::diagnostic::records;
@@ -124,7 +124,7 @@ pub fn check(options: &CheckArgs) -> Ended {
         )));
     }
     let input = options.given.input(&options.files);
-    let mut session = session(options.given.allow_external);
+    let mut session = checking_session(options.given.allow_external);
     if options.files.iter().any(|file| file.as_os_str() == INPUT) {
         if options.fix {
             return Err(misused("--fix changes files, and `-` is the standard input"));
