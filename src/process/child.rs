@@ -46,7 +46,7 @@ pub fn failures() -> u64 {
     FAILURES.load(Ordering::Relaxed)
 }
 
-/// Ends all children at once, with all processes that they have started.
+/// Ends all children at once, with all processes that they have started; on Linux also those that this process has [adopted](super::adopt).
 pub fn end_all() {
     let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     for id in &*running {
@@ -58,6 +58,8 @@ pub fn end_all() {
     if !running.is_empty() {
         descendants::end(&format!("{}-", std::process::id()));
     }
+    #[cfg(target_os = "linux")]
+    descendants::end_children();
 }
 
 /// A child process with pipes that never block: every wait has a time limit.
@@ -92,8 +94,12 @@ impl Child {
         RUNNING.lock().unwrap_or_else(PoisonError::into_inner).insert(process.id());
         let (input, output) = (process.stdin.take(), process.stdout.take());
         let (input, output) = input.zip(output).expect("both were asked for");
-        let messages =
-            process.stderr.take().map(|from| Messages::pass_on(from, notes.clone())).transpose().inspect_err(|_| {
+        let messages = process
+            .stderr
+            .take()
+            .map(|from| Messages::pass_on(from, notes.clone(), program.clone()))
+            .transpose()
+            .inspect_err(|_| {
                 let _ = killpg(Pid::from_raw(process.id() as i32), Signal::SIGKILL);
             })?;
         never_block(input.as_fd())?;

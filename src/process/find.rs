@@ -32,6 +32,16 @@ pub(super) fn find(program: &Program) -> Result<(), String> {
     }
 }
 
+/// What installs the Python package of falsify, and what a driver or a world of it needs, which these words start.
+pub fn missing_package(words: &[String]) -> String {
+    let name = words.iter().skip_while(|word| !word.starts_with("falsify_av")).nth(1);
+    // Older versions of pip find no extra whose name has an underscore.
+    let extra = name.map_or_else(String::new, |name| format!("[{}]", name.replace('_', "-")));
+    format!(
+        "the Python package of falsify is not installed: `pip install './python{extra}'` in a clone installs it and what the program needs"
+    )
+}
+
 /// Whether a program runs scripts.
 fn interprets(name: &str) -> bool {
     let file = Path::new(name).file_name().and_then(|file| file.to_str()).unwrap_or_default();

@@ -2,7 +2,8 @@
 //!
 //! A child reads questions from its standard input and answers on its standard output. Its standard error is passed on to ours, up to a
 //! limit. It leads its own process group. So Ctrl-C on the terminal lets it finish its current work with us, and it ends together with all
-//! processes that it has started: on Linux also those that have left the group, which are known by a variable of their environment.
+//! processes that it has started: on Linux also those that have left the group, which are known by a variable of their environment, or at the end of the program
+//! as its children.
 
 #[cfg(unix)]
 mod child;
@@ -21,12 +22,19 @@ mod trial;
 
 #[cfg(unix)]
 pub use child::{end_all, failures};
+#[cfg(target_os = "linux")]
+pub use descendants::adopt;
+pub use find::missing_package;
 #[cfg(unix)]
 pub use limits::refusal;
 pub use opener::ProcessOpener;
 #[cfg(unix)]
-pub use stopping::{allow_to_stop, stop_waiting};
+pub use stopping::{allow_to_stop, end_with, stop_waiting};
 pub use trial::{limit_trial, trial, used_seconds};
+
+#[cfg(not(target_os = "linux"))]
+/// Other systems than Linux give no process another parent.
+pub fn adopt() {}
 
 #[cfg(not(unix))]
 /// Ends all children at once; there are none on this system.
@@ -51,3 +59,7 @@ pub fn stop_waiting() {}
 pub fn refusal(_: usize) -> Option<String> {
     None
 }
+
+#[cfg(not(unix))]
+/// Only a Unix system tells whether another process runs.
+pub fn end_with(_: i32) {}

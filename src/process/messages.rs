@@ -3,7 +3,9 @@ use std::process::ChildStderr;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use super::find::missing_package;
 use super::opener::Notes;
+use world::av::external::Program;
 
 /// The number of bytes of a line that are passed on at once.
 const MAX_LINE: u64 = 1 << 13;
@@ -16,14 +18,19 @@ pub(super) struct Messages(JoinHandle<()>);
 
 impl Messages {
     /// Starts to pass on.
-    pub fn pass_on(from: ChildStderr, notes: Notes) -> io::Result<Self> {
+    pub fn pass_on(from: ChildStderr, notes: Notes, program: Program) -> io::Result<Self> {
         let work = move || {
             let (mut from, mut line) = (BufReader::new(from), Vec::new());
             loop {
                 line.clear();
                 match from.by_ref().take(MAX_LINE).read_until(b'\n', &mut line) {
                     Ok(0) => return,
-                    Ok(_) => notes.pass_on(&line),
+                    Ok(_) => {
+                        notes.pass_on(&line);
+                        if String::from_utf8_lossy(&line).contains("No module named 'falsify_av'") {
+                            notes.say(&program, &missing_package(&program.words));
+                        }
+                    }
                     Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                     Err(_) => return,
                 }

@@ -16,6 +16,8 @@ const MAX_BYTES: usize = 1 << 20;
 pub struct ProcessOpener {
     notes: Notes,
     asks: bool,
+    /// The first greeting of each program.
+    greetings: Arc<Mutex<BTreeMap<String, String>>>,
 }
 
 impl Opener for ProcessOpener {
@@ -25,6 +27,11 @@ impl Opener for ProcessOpener {
 
     fn digests(&self, program: &Program) -> Result<BTreeMap<String, String>, String> {
         super::digests::digests(program)
+    }
+
+    fn greets_as_before(&self, program: &Program, greeting: &str) -> bool {
+        let mut greetings = self.greetings.lock().unwrap_or_else(PoisonError::into_inner);
+        greetings.entry(format!("{program:?}")).or_insert_with(|| greeting.into()) == greeting
     }
 
     fn asks(&self) -> bool {
@@ -101,9 +108,9 @@ impl Notes {
         last.push_str(text);
         *count += 1;
         if *count <= MAX_NOTES {
-            // A name may hold commands to the terminal.
             let command = program.words.join(" ").replace('\n', " ");
-            anstream::eprintln!("program `{}`: {text}", printable(&command));
+            // Both may hold commands to the terminal.
+            anstream::eprintln!("{}", printable(&format!("program `{command}`: {text}")));
         } else if *count == MAX_NOTES + 1 {
             anstream::eprintln!("more notes about programs are left out");
         }

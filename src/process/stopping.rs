@@ -1,7 +1,11 @@
-//! How long programs are waited for after the user has asked to stop.
+//! How long programs are waited for after the user has asked to stop, and the end with another process.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
+
+use nix::errno::Errno;
+use nix::sys::signal::kill;
+use nix::unistd::Pid;
 
 /// Time that a program has for its answer after the user has asked to stop.
 const GRACE: Duration = Duration::from_millis(500);
@@ -25,4 +29,22 @@ pub fn stop_waiting() {
 pub(super) fn is_over() -> bool {
     let (allowed, asked) = *STATE.lock().unwrap_or_else(PoisonError::into_inner);
     allowed && asked.is_some_and(|asked| asked.elapsed() >= GRACE)
+}
+
+/// Time between two looks whether another process has ended.
+const WATCH: Duration = Duration::from_secs(1);
+
+/// Ends this process at once when another one has ended. One that is not seen now, as from a container, is not waited for.
+#[expect(clippy::exit, reason = "nobody is there who could ask for an end in order")]
+pub fn end_with(id: i32) {
+    let runs = move || id > 0 && kill(Pid::from_raw(id), None) != Err(Errno::ESRCH);
+    let watch = move || {
+        while runs() {
+            std::thread::sleep(WATCH);
+        }
+        std::process::exit(1)
+    };
+    if runs() {
+        std::thread::spawn(watch);
+    }
 }

@@ -120,13 +120,16 @@ fn max_seconds(bytes: usize) -> u64 {
     least + (greatest - least) * bytes as u64 / MAX_BYTES
 }
 
-/// The time of the processor that this process has used (s); 0 on systems other than Unix.
+/// The time of the processor that this process has used, with programs that it started and that have ended (s); 0 on systems other than Unix.
 pub fn used_seconds() -> f64 {
     #[cfg(unix)]
-    if let Ok(usage) = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF) {
-        let [user, system] = [usage.user_time(), usage.system_time()];
-        return [user, system].map(|time| time.tv_sec() as f64 + time.tv_usec() as f64 / 1e6).iter().sum();
+    {
+        use nix::sys::resource::{UsageWho, getrusage};
+        let used = [UsageWho::RUSAGE_SELF, UsageWho::RUSAGE_CHILDREN].into_iter().filter_map(|who| getrusage(who).ok());
+        let times = used.flat_map(|usage| [usage.user_time(), usage.system_time()]);
+        times.map(|time| time.tv_sec() as f64 + time.tv_usec() as f64 / 1e6).sum()
     }
+    #[cfg(not(unix))]
     0.0
 }
 

@@ -178,11 +178,14 @@ fn a_world_may_say_how_late_its_pedals_are() {
 #[test]
 fn a_world_has_a_name_of_one_line_that_is_not_ours_and_drivers_that_differ() {
     for (fault, message) in [
-        ("here", "a `name` that is empty, longer than 60 bytes, of several lines, or `here`, our own simulator"),
+        ("here", "a `name` that is empty, longer than 60 bytes, with control characters, or `here`, our own simulator"),
         ("nameless", "a `name` that is empty"),
         ("two_lines", "a `name` that is empty"),
         ("long_name", "a `name` that is empty"),
-        ("twins", "`drivers` of which one is there twice, empty, or of several lines"),
+        (
+            "twins",
+            "`drivers` of which one is there twice, empty, longer than 60 bytes or with control characters, or more than 100",
+        ),
         ("no_word", "`drivers` of which one is there twice"),
     ] {
         let said = format!("{:?}", compiled(&text(fault, "", "idm", "other")).diagnostics);

@@ -33,6 +33,7 @@ pub fn command_line(language: fn() -> Catalog, arguments: impl IntoIterator<Item
         console::fail("this is a bug in falsify; what was finished before is not lost");
         ExitCode::Internal
     });
+    process::end_all();
     if matches!(code, ExitCode::Done) && console::lost() {
         console::fail("the output cannot be written");
         return ExitCode::WriteFailed;

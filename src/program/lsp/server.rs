@@ -116,6 +116,8 @@ impl<W: Write> Server<W> {
         let id = request.id.clone();
         if request.method == Initialize::METHOD {
             self.client = Client::read(&request.params);
+            let editor = request.params["processId"].as_i64().and_then(|id| id.try_into().ok());
+            editor.into_iter().for_each(process::end_with);
         }
         // A bug answers one request with an error and does not end the server.
         let answer = contained(|| self.answer(request));

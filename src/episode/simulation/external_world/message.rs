@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use base::printable::is_command;
 use road::geometry::Pose;
 use world::av::Fault;
 use world::av::external::{KeyOf, greeting_refusal};
@@ -28,8 +29,10 @@ const MAX_TOLERANCE: f64 = 0.5;
 /// How late a world may say that its car follows the pedals (s).
 const MAX_PEDAL_DELAY: f64 = 0.5;
 
-/// Maximum length of its name (bytes).
+/// Maximum length of a name, and of its version (bytes), and maximum number of its drivers: they are recorded and shown.
 const MAX_NAME: usize = 60;
+const MAX_VERSION: usize = 200;
+const MAX_DRIVERS: usize = 100;
 
 /// What a program says that its simulator is and can do: its greeting.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -105,18 +108,22 @@ pub(super) fn read_greeting(line: &[u8]) -> Result<Abilities, Fault> {
     if abilities.protocol != PROTOCOL {
         return Err(Fault::Greeting("another protocol than falsify-world/1"));
     }
-    let is_word = |text: &String| !text.trim().is_empty() && !text.contains(char::is_control);
-    if !is_word(&abilities.name) || abilities.name.len() > MAX_NAME || abilities.name == HERE {
+    let is_seen = |letter: char| !letter.is_control() && !is_command(letter);
+    let is_word = |text: &str, longest| !text.trim().is_empty() && text.len() <= longest && text.chars().all(is_seen);
+    if !is_word(&abilities.name, MAX_NAME) || abilities.name == HERE {
         return Err(Fault::Greeting(
-            "a `name` that is empty, longer than 60 bytes, of several lines, or `here`, our own simulator",
+            "a `name` that is empty, longer than 60 bytes, with control characters, or `here`, our own simulator",
         ));
     }
-    if !is_word(&abilities.version) {
-        return Err(Fault::Greeting("a `version` that is empty or of several lines: it is recorded"));
+    if !is_word(&abilities.version, MAX_VERSION) {
+        let why = "a `version` that is empty, longer than 200 bytes, or with control characters: it is recorded";
+        return Err(Fault::Greeting(why));
     }
     let drivers: BTreeSet<&String> = abilities.drivers.iter().collect();
-    if drivers.len() < abilities.drivers.len() || !drivers.into_iter().all(is_word) {
-        return Err(Fault::Greeting("`drivers` of which one is there twice, empty, or of several lines"));
+    let all_fit = drivers.len() <= MAX_DRIVERS && drivers.iter().all(|name| is_word(name, MAX_NAME));
+    if drivers.len() < abilities.drivers.len() || !all_fit {
+        let why = "`drivers` of which one is there twice, empty, longer than 60 bytes or with control characters, or more than 100";
+        return Err(Fault::Greeting(why));
     }
     Ok(abilities)
 }

@@ -7,11 +7,11 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 use clap::Args;
 
 use super::empty_road;
+use crate::cli::input::opener;
 use crate::cli::{console, interrupt};
 use crate::exit_code::ExitCode;
 use crate::session::seconds;
@@ -20,7 +20,7 @@ use base::seed::Seed;
 use compile::{Catalog, Training, compile};
 use episode::walker::Random;
 use episode::{Outcome, Scenario, Trace, evaluate_observed};
-use process::ProcessOpener;
+use process::{ProcessOpener, missing_package, used_seconds};
 use world::av::Fault;
 use world::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
 
@@ -61,7 +61,7 @@ impl TrialArgs {
     /// Starts what is tried, and shows its first messages if they are asked for.
     pub(super) fn opener(&self) -> Overhearing {
         let left = if self.show { SHOWN } else { 0 };
-        Overhearing { inner: ProcessOpener::default(), left: Arc::new(AtomicUsize::new(left)) }
+        Overhearing { inner: opener(), left: Arc::new(AtomicUsize::new(left)) }
     }
 }
 
@@ -79,11 +79,7 @@ fn installed(name: &str) -> Result<(), String> {
     let said = String::from_utf8_lossy(&asked.stderr);
     match asked.status.success() {
         true => Ok(()),
-        false if said.contains("No module named") => Err(format!(
-            "the Python package of falsify is not installed: `pip install './python[{}]'` in a clone installs it and what the driver needs",
-            // Older versions of pip find no extra whose name has an underscore.
-            name.replace('_', "-")
-        )),
+        false if said.contains("No module named") => Err(missing_package(&[PYTHON[2].into(), name.into()])),
         false => Err(said.trim_end().into()),
     }
 }
@@ -146,7 +142,7 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
         scenario.cast.vehicles[0].policy = Arc::new(maker);
         let scenario = Arc::new(scenario);
         let seed = Seed::root(1);
-        let began = Instant::now();
+        let began = used_seconds();
         let mut walker = Random::default();
         // One failure is enough; the others would show the same.
         let fell = Cell::new(false);
@@ -158,7 +154,7 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
         let outcomes =
             evaluate_observed(&mut walker, &scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
         let ticks: u32 = outcomes.iter().map(|outcome| outcome.ticks).sum();
-        (outcomes, f64::from(ticks) / began.elapsed().as_secs_f64())
+        (outcomes, f64::from(ticks) / (used_seconds() - began))
     };
 
     let (first, alone) = drive(1);
@@ -183,7 +179,7 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
         return failed(&format!("follows an empty road with a bend and a turn: {reason}"));
     }
     passed("follows an empty road with a bend and a turn");
-    console::say(&format!("        {alone:.0} ticks a second alone, {together:.0} with {EPISODES} worlds at once"));
+    console::say(&format!("        {alone:.0} ticks a CPU second alone, {together:.0} with {EPISODES} worlds at once"));
     ExitCode::Done
 }
 
@@ -244,6 +240,10 @@ struct Overheard {
 impl Opener for Overhearing {
     fn find(&self, program: &Program) -> Result<(), String> {
         self.inner.find(program)
+    }
+
+    fn greets_as_before(&self, program: &Program, greeting: &str) -> bool {
+        self.inner.greets_as_before(program, greeting)
     }
 
     fn asks(&self) -> bool {

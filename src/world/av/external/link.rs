@@ -51,6 +51,12 @@ pub trait Opener: Send + Sync {
         Ok(BTreeMap::new())
     }
 
+    /// Whether a program greets with what it said when it was started first.
+    fn greets_as_before(&self, program: &Program, greeting: &str) -> bool {
+        let _ = (program, greeting);
+        true
+    }
+
     /// Whether a program may be started to ask what it can do, before anything is run. Editors start nothing.
     fn asks(&self) -> bool {
         false

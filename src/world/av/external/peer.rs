@@ -1,13 +1,18 @@
 use std::sync::Arc;
 
-use super::refusal::{KeyOf, unknown_key};
+use super::refusal::{KeyOf, known, unknown_key};
 use super::{Link, Opener, Program};
 use crate::av::{Exit, Fault};
+use base::printable::printable;
 
 /// Longest line of an answer (bytes).
 const MAX_LINE: usize = 1 << 20;
 /// The number of bytes of a wrong answer that are shown.
 const SHOWN: usize = 200;
+/// What is said of a program that says something else of itself at a later start.
+const ANOTHER: Fault = Fault::Greeting(
+    "otherwise than at its first start: what it says of itself is recorded, so it must be the same at each start",
+);
 
 /// A program that is started when it is needed, and started again after a fault. It holds no message: who speaks with it knows the protocol.
 pub struct Peer {
@@ -71,7 +76,8 @@ impl Peer {
         link.send(&line, self.start_timeout).map_err(Fault::at_start)?;
         line.clear();
         link.line(&mut line, MAX_LINE).map_err(Fault::at_start)?;
-        match greeted(&line) {
+        let is_same = || self.opener.greets_as_before(&self.program, &known(&line, keys));
+        match greeted(&line).and_then(|()| if is_same() { Ok(()) } else { Err(ANOTHER) }) {
             Ok(()) => {
                 unknown_key(&line, keys).iter().for_each(|text| link.note(text));
                 Ok(link)
@@ -128,5 +134,5 @@ impl Peer {
 pub(super) fn shown(said: &[u8]) -> String {
     let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]).replace(char::is_control, " ");
     let dots = if said.len() > SHOWN { "…" } else { "" };
-    format!("`{text}{dots}`")
+    format!("`{}{dots}`", printable(&text))
 }

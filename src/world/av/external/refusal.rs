@@ -132,6 +132,12 @@ fn number_before(line: &[u8], end: usize) -> (&[u8], &[u8]) {
     (key, &line[first..after])
 }
 
+/// What a greeting says, without what is ignored.
+pub(super) fn known(line: &[u8], keys: &[KeyOf]) -> String {
+    let greeting: Map<String, Value> = serde_json::from_slice(line).unwrap_or_default();
+    keys.iter().filter_map(|(key, ..)| Some(format!("{key}: {}\n", greeting.get(*key)?))).collect()
+}
+
 /// The first key of a greeting that is none of these, in words; the user is warned of it, with the nearest known key.
 pub(super) fn unknown_key(line: &[u8], keys: &[KeyOf]) -> Option<String> {
     let greeting: Map<String, Value> = serde_json::from_slice(line).ok()?;
