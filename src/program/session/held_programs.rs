@@ -2,8 +2,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use results::report::{ProgramRecord, StoredReport};
-use tempfile::TempDir;
+use results::report::{ProgramCopy, ProgramRecord, StoredReport};
 use world::av::Fault;
 use world::av::external::{Link, Opener, Program};
 
@@ -19,7 +18,7 @@ struct HeldProgram {
     place: Program,
     record: ProgramRecord,
     /// Its copy, once it is known whether one is needed and can be run.
-    copy: OnceLock<Option<TempDir>>,
+    copy: OnceLock<Option<ProgramCopy>>,
 }
 
 impl HeldPrograms {
@@ -41,11 +40,11 @@ impl HeldPrograms {
 
     /// The program in the folder of its copy, if it has changed and the copy can be run.
     fn placed(&self, program: &Program) -> Program {
-        let in_copy = |copy: &TempDir| Program { folder: copy.path().to_path_buf(), ..program.clone() };
+        let in_copy = |copy: &ProgramCopy| Program { folder: copy.folder.clone(), ..program.clone() };
         let copy = self.programs.iter().find(|held| held.is(program)).and_then(|held| {
             let is_same = || self.inner.digests(program).is_ok_and(|now| now == held.record.files);
             let copied = || self.report.program_copy(&held.record, program);
-            let can_run = |copy: &TempDir| self.inner.find(&in_copy(copy)).is_ok();
+            let can_run = |copy: &ProgramCopy| self.inner.find(&in_copy(copy)).is_ok();
             held.copy.get_or_init(|| if is_same() { None } else { copied().filter(can_run) }).as_ref()
         });
         copy.map_or_else(|| program.clone(), in_copy)
@@ -70,6 +69,10 @@ impl Opener for HeldPrograms {
 
     fn digests(&self, program: &Program) -> Result<BTreeMap<String, String>, String> {
         self.inner.digests(&self.placed(program))
+    }
+
+    fn greets_as_before(&self, program: &Program, greeting: &str) -> bool {
+        self.inner.greets_as_before(program, greeting)
     }
 
     fn asks(&self) -> bool {

@@ -1,9 +1,10 @@
 //! What a report records about its origin, and when it is complete.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use super::{Input, Planned, RunOptions, Session};
-use compile::{Campaign, Job, Training};
+use super::{Input, Notice, Planned, RunOptions, Session};
+use compile::{Campaign, ExternalProgram, Job, Training};
 use results::campaign::Finished;
 use results::jobs::{SearchResult, TrainingResult, pedestrian_files};
 use results::report::{
@@ -91,8 +92,14 @@ impl Session {
             blake3: blake3.clone(),
             held: places.get(path.as_str()).cloned().unwrap_or_default(),
         };
-        let programs = campaign.programs().into_iter().map(|program| ProgramRecord::held(program, folder));
-        Ok((planned.records.iter().map(file).collect(), programs.collect::<Result<_, _>>()?))
+        let held = |program: &Arc<ExternalProgram>| {
+            let (record, missing) = ProgramRecord::held(program, folder)?;
+            let said = |why| format!("a replay runs `{}` as it is then, not as it was in this run: {why}", record.name);
+            missing.into_iter().for_each(|why| self.notice(&Notice::Warning(said(why))));
+            Ok(record)
+        };
+        let programs = campaign.programs().into_iter().map(held).collect::<Result<_, WriteError>>()?;
+        Ok((planned.records.iter().map(file).collect(), programs))
     }
 
     /// The input of the session, for a later repetition.

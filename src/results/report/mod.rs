@@ -76,6 +76,7 @@ pub use text_forms::{csv_text, json_rows};
 pub use folder::{
     DOSSIER, FIGURES, Formats, ReportFolder, WriteError, write_csv, write_file, write_new_file, write_table,
 };
+pub use held_programs::ProgramCopy;
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use read::{
     Difference, Gate, GateError, Judged, ReadError, StoredReport, TooFewRuns, differences, divergence, requirements_in,
