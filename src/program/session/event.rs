@@ -89,7 +89,11 @@ pub enum Notice {
     /// Episodes of a campaign are in error. No rate counts them.
     #[error(
         "{errors} of {episodes} episodes are in error{} and count for nothing; the first is {first}",
-        if *untried > 0 { format!(", {untried} of them not run") } else { String::new() }
+        match (untried, are_few) {
+            (_, true) => ", at most one in a hundred of those in other simulators,".into(),
+            (0, _) => String::new(),
+            _ => format!(", {untried} of them not run"),
+        }
     )]
     EpisodesInError {
         /// The name of the report.
@@ -101,6 +105,8 @@ pub enum Notice {
         untried: u64,
         /// The first of them, with its error.
         first: String,
+        /// Whether the run does not fail by them.
+        are_few: bool,
     },
     /// Trainings of a campaign may have learnt nothing, or disagree.
     #[error("{doubt}")]
@@ -131,7 +137,7 @@ impl Notice {
     /// How much it matters.
     pub fn level(&self) -> Level {
         match self {
-            Self::Unpaid { .. } | Self::EpisodesInError { .. } => Level::Error,
+            Self::Unpaid { .. } | Self::EpisodesInError { are_few: false, .. } => Level::Error,
             Self::Note(_) => Level::Note,
             _ => Level::Warning,
         }

@@ -1,19 +1,21 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::manifest::Times;
 use super::other_report::check_place;
 use super::overview::write_overview;
+use super::stored::Source;
 use super::{
-    CampaignOutcome, CampaignReport, Error, Event, KeepError, Notice, Planned, RunOptions, RunReport, Session,
+    CampaignOutcome, CampaignReport, EpisodeName, Error, Event, KeepError, Notice, Planned, RunOptions, RunReport,
+    Session,
 };
 use base::seed::Seed;
-use compile::{Campaign, ExternalProgram};
+use compile::{Campaign, Evaluation, ExternalProgram};
 use results::campaign::{self, Finished, Task};
 use results::jobs::SearchResult;
 use results::report::{
-    self, Aggregates, Episodes, Findings, Gate, Judged, Manifest, ReportFolder, Section, WriteError,
+    self, Aggregates, Episodes, Findings, Gate, Judged, Manifest, ReportFolder, Section, StoredReport, WriteError,
 };
 use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
@@ -166,7 +168,11 @@ impl<'a> CampaignRun<'a> {
         let sections = report::sections(&found);
         let manifest = self.write(&draft, &found, &sections, &times)?;
         let folder = self.publish(draft, &manifest)?;
+        if self.work == Work::All && results.reused() < campaign::tasks(self.campaign).count() {
+            self.repeat_elsewhere(&folder);
+        }
         let gates = self.judge_gates(&found);
+        let few_errors = found.gathered.errors_are_few();
         let Findings { cells, drivers, searches, doubts, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name: self.name.clone(),
@@ -180,7 +186,7 @@ impl<'a> CampaignRun<'a> {
             gates,
             reused: results.reused(),
             tasks: campaign::tasks(self.campaign).count(),
-            failed: finished.has_failed,
+            failed: finished.has_failed || !few_errors,
         })))
     }
 
@@ -319,6 +325,35 @@ impl<'a> CampaignRun<'a> {
         placed.map_err(|error| self.options.keep(error))
     }
 
+    /// Repeats the first episode of each run in another simulator which says that all that it draws follows the seed, and reports one that is another.
+    fn repeat_elsewhere(&self, folder: &Path) {
+        let seeded = |each: &Evaluation| {
+            let world = each.scenario.external_world.as_ref();
+            world.is_some_and(|world| world.abilities.as_ref().is_some_and(|abilities| abilities.seeds))
+        };
+        if !self.campaign.all::<Evaluation>().any(seeded) {
+            return;
+        }
+        let Ok(report) = StoredReport::open(folder) else { return };
+        let source = Source::new(report, self.campaign.clone());
+        for evaluation in source.campaign.all::<Evaluation>().filter(|each| seeded(each)) {
+            if self.session.is_stopped() {
+                return;
+            }
+            let name = EpisodeName { run: evaluation.origin.id, number: 0 };
+            let Ok(repeated) = source.repeat(name) else { continue };
+            let in_error = repeated.differences.iter().any(|each| each.column == "error");
+            if !repeated.differences.is_empty() && !in_error {
+                let text = format!(
+                    "`{}` says of itself `seeds: true`, and {name} is another episode when it is repeated: its results are not those of the seed; let all \
+                     that it draws follow `seed` of `begin`, or let it say `seeds: false`",
+                    evaluation.world
+                );
+                self.session.notice(&Notice::Warning(text));
+            }
+        }
+    }
+
     /// The gates, each with its judgement of each row of the table that it is about.
     fn judge_gates(&self, found: &Findings<'_>) -> Vec<(Gate, Vec<Judged>)> {
         self.options.gates.iter().map(|gate| (gate.clone(), gate.judge_campaign(found))).collect()
@@ -332,7 +367,8 @@ impl<'a> CampaignRun<'a> {
         }
         if let Some(first) = gathered.first_error.clone() {
             let Aggregates { errors, untried, episodes, .. } = *gathered;
-            self.session.notice(&Notice::EpisodesInError { campaign: campaign(), errors, episodes, untried, first });
+            let (campaign, are_few) = (campaign(), gathered.errors_are_few());
+            self.session.notice(&Notice::EpisodesInError { campaign, errors, episodes, untried, first, are_few });
         }
     }
 }
