@@ -182,6 +182,9 @@ fn a_world_has_a_name_of_one_line_that_is_not_ours_and_drivers_that_differ() {
         ("nameless", "a `name` that is empty"),
         ("two_lines", "a `name` that is empty"),
         ("long_name", "a `name` that is empty"),
+        ("turned", "a `name` that is empty, longer than 60 bytes, with control characters"),
+        ("turned_version", "a `version` that is empty, longer than 200 bytes, or with control characters"),
+        ("long_version", "a `version` that is empty, longer than 200 bytes"),
         (
             "twins",
             "`drivers` of which one is there twice, empty, longer than 60 bytes or with control characters, or more than 100",

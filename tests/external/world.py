@@ -10,6 +10,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scenarios" / "exte
 import my_world
 
 FAULT = sys.argv[1]
+#: Whether the mark in the working folder shows that it was started before.
+STARTED = FAULT == "another" and Path("started").exists()
+if FAULT == "another":
+    Path("started").touch()
 #: Factors of the wheel angle and of the deceleration.
 STEER = {"mirrored": -1.0, "straight": 0.0, "weak_steer": 0.1, "strong_steer": 2.0}.get(FAULT, 1.0)
 BRAKE = {"no_brake": 0.0, "weak_brake": 0.1, "tenth": 0.1, "mild_brake": 0.7}.get(FAULT, 1.0)
@@ -20,9 +24,10 @@ PEDALS = ("late_pedals", "declared")
 
 
 class World(my_world.MyWorld):
-    NAMES = {"here": "here", "nameless": " ", "two_lines": "a\nb", "long_name": "x" * 61}
+    NAMES = {"here": "here", "nameless": " ", "two_lines": "a\nb", "long_name": "x" * 61, "turned": "a\u202eb"}
+    VERSIONS = {"long_version": "1" * 900_000, "turned_version": "1\u2066", "another": "2" if STARTED else "1"}
     DRIVERS = {"stranger": [], "twins": ["theirs", "theirs"], "no_word": ["theirs", ""]}
-    ABOUT = {**my_world.MyWorld.ABOUT, "name": NAMES.get(FAULT, "my_world"), "drivers": DRIVERS.get(FAULT, ["theirs", "blind"]), "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0, "late": 0.5, "later": 0.5}.get(FAULT, 0.0), "seeds": FAULT != "unseeded", "pedal_delay": {"declared": 0.3, "tardy": 0.6}.get(FAULT, 0.0)}
+    ABOUT = {**my_world.MyWorld.ABOUT, "name": NAMES.get(FAULT, "my_world"), "version": VERSIONS.get(FAULT, my_world.MyWorld.ABOUT["version"]), "drivers": DRIVERS.get(FAULT, ["theirs", "blind"]), "controls": FAULT != "rails", "tolerance": {"tolerant": 0.03, "lax": 9.0, "late": 0.5, "later": 0.5}.get(FAULT, 0.0), "seeds": FAULT != "unseeded", "pedal_delay": {"declared": 0.3, "tardy": 0.6}.get(FAULT, 0.0)}
 
     def load(self, message):
         super().load(message)
@@ -35,6 +40,8 @@ class World(my_world.MyWorld):
         return lanes[1:] if FAULT == "few_lanes" else lanes
 
     def begin(self, message):
+        if FAULT in ("rare", "often") and message["seed"] % {"rare": 130, "often": 13}[FAULT] == 7:
+            sys.exit(3)
         if FAULT == "late_start":
             time.sleep(3600)
         super().begin(message)
@@ -62,7 +69,7 @@ class World(my_world.MyWorld):
             self.speed *= 0.7 if math.hypot(*beyond) <= self.radius else 1.0
         if FAULT == "drifts":
             self.y += 0.02
-        if FAULT == "unseeded":
+        if FAULT in ("unseeded", "draws"):
             self.x += random.uniform(0.0, 1e-4)
 
     def state(self, tick):

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::program::{command, error, falsify};
+use needs::needs;
 
 /// A campaign that runs in a fraction of a second.
 fn campaign() -> String {
@@ -392,7 +393,22 @@ fn completions_know_the_commands() {
         let output = falsify(&["completions", shell], folder.path());
         let text = String::from_utf8(output.stdout).unwrap();
         assert!(output.status.success() && text.contains("check") && text.contains("smoke"), "{shell}");
+        // Between quotes of a description others would end it.
+        let is_told = shell == "bash" || text.contains("The experiment of the paper");
+        assert!(is_told && !text.contains("\"Suicidal"), "{shell}");
     }
+}
+
+#[needs(program = "fish")]
+#[test]
+fn completions_of_fish_list_templates() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = falsify(&["completions", "fish"], folder.path()).stdout;
+    std::fs::write(folder.path().join("falsify.fish"), script).unwrap();
+    let ask = "source falsify.fish; complete -C 'falsify new --template '";
+    let output = std::process::Command::new("fish").args(["-c", ask]).current_dir(folder.path()).output().unwrap();
+    let listed = String::from_utf8(output.stdout).unwrap();
+    assert!(output.stderr.is_empty() && listed.contains("paper\tThe experiment of the paper"), "{listed}");
 }
 
 #[test]

@@ -287,6 +287,8 @@ fn failures_are_exported_one_by_one_and_as_a_list() {
     let one = falsify(&["export", &names[0], "--as", "xosc-1.3"], here);
     assert_eq!(one.status.code(), Some(0), "{one:?}");
     let stem = names[0].replace(':', "-");
+    let old = falsify(&["export", &names[0], "--as", "xosc-1.0"], here);
+    assert!(old.status.success() && here.join(format!("{stem}-1.0.xosc")).is_file(), "{old:?}");
     let text = std::fs::read_to_string(here.join(format!("{stem}.xosc"))).unwrap();
     let read = roxmltree::Document::parse(&text).unwrap();
     let map = read.descendants().find_map(|node| node.attribute("filepath")).unwrap();

@@ -420,6 +420,23 @@ fn a_stream_out_of_step_ends_the_session() {
 }
 
 #[test]
+fn the_server_ends_with_its_editor_though_its_input_stays_open() {
+    let mut editor = std::process::Command::new("sleep").arg("600").spawn().unwrap();
+    let session = Session::with(&json!({ "capabilities": {}, "processId": editor.id() }));
+    let mut server = command().arg("lsp").stdin(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    server.stdin.as_mut().unwrap().write_all(&session.input).unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert!(server.try_wait().unwrap().is_none(), "the editor runs");
+    editor.kill().unwrap();
+    editor.wait().unwrap();
+    let begun = std::time::Instant::now();
+    while server.try_wait().unwrap().is_none() {
+        assert!(begun.elapsed().as_secs() < 30, "it runs on without its editor");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+}
+
+#[test]
 fn a_huge_file_gets_one_mistake_and_quick_answers() {
     let text = format!("edition 1\n{}", "reward r { on touch => 1 }\n".repeat(240_000));
     let mut session = Session::new();

@@ -159,6 +159,40 @@ driver mine_PART = external(command: "python3 drv.py", timeout: 60 s, files: ["d
 
 #[needs(python)]
 #[test]
+fn files_above_the_folder_of_the_scenario_are_held_or_named() {
+    let place = tempfile::tempdir().unwrap();
+    let here = place.path().join("studies/first");
+    std::fs::create_dir_all(&here).unwrap();
+    std::fs::create_dir(place.path().join("lib")).unwrap();
+    std::fs::write(place.path().join("lib/drv.py"), DRIVER).unwrap();
+    let gap = |gap: &str| std::fs::write(here.join("../../lib/params.py"), format!("GAP = {gap}\n")).unwrap();
+    gap("0.0");
+    std::fs::write(here.join("../notes.txt"), "beside").unwrap();
+    let command = "python3 ../../lib/drv.py ../notes.txt";
+    write(&here, command, r#", files: ["../../lib", "../notes.txt"]"#);
+    let text = run(&here, &[], 0);
+    assert!(!text.contains("a replay runs"), "{text}");
+    assert!(here.join("reports/d/programs/mine/above-2/lib/params.py").is_file());
+    let name = failure(&here);
+    gap("14.0");
+    let text = falsify_said(&here, &["replay", "--allow-external", &name], 0);
+    assert!(text.contains("the program of `mine` has changed since the report, which holds its files"), "{text}");
+
+    let warned = |files: &str, why: &str| {
+        write(&here, command, &format!(", files: [{files}]"));
+        let text = run(&here, &["--out", why.split(' ').next_back().unwrap()], 0);
+        let warning = "a replay runs `mine` as it is then, not as it was in this run: ";
+        assert!(text.contains(&format!("{warning}{why}")), "{text}");
+    };
+    warned(r#""../../lib""#, "`../notes.txt` of its command is none of its `files`: add it");
+    let absolute = here.canonicalize().unwrap().join("d.scn").display().to_string();
+    warned(&format!("{absolute:?}"), &format!("`{absolute}` is not a path from the folder of the scenario"));
+    std::os::unix::fs::symlink("../notes.txt", here.join("link")).unwrap();
+    warned(r#""link", "../../lib""#, "`link` is a link or behind one: name the file that it leads to");
+}
+
+#[needs(python)]
+#[test]
 fn work_of_a_program_without_files_is_repeated_unless_the_scenario_states_its_version() {
     let place = folder("python3 drv.py", "");
     let here = place.path();

@@ -366,8 +366,10 @@ fn with_driver(command: &str) -> tempfile::TempDir {
 #[test]
 fn a_process_that_leaves_the_group_of_its_driver_ends_with_it() {
     let place = with_driver("sh driver.sh");
-    fs::write(place.path().join("driver.sh"), "setsid sleep 4321.75 >/dev/null 2>&1 </dev/null &\nsleep 4321.75\n")
-        .unwrap();
+    // The second one keeps neither the group nor the environment, by which it could be known.
+    let sleep = "sleep 4321.75 >/dev/null 2>&1 </dev/null &\n";
+    let script = format!("setsid {sleep}env -i setsid {sleep}sleep 4321.75\n");
+    fs::write(place.path().join("driver.sh"), script).unwrap();
     let output = program::falsify(&["run", "outside.scn", "--allow-external", "--out", "out"], place.path());
     assert_eq!(output.status.code(), Some(5), "{output:?}");
     let left = fs::read_dir("/proc").unwrap().flatten().filter(|entry| {
@@ -375,6 +377,25 @@ fn a_process_that_leaves_the_group_of_its_driver_ends_with_it() {
         command.windows(7).any(|part| part == b"4321.75") && !command.windows(6).any(|part| part == b"setsid")
     });
     assert_eq!(left.count(), 0);
+}
+
+#[test]
+fn a_program_that_lacks_the_python_package_says_what_installs_it() {
+    let place = with_driver("sh falsify_av.sh sumo");
+    let text = "echo \"ModuleNotFoundError: No module named 'falsify_av'\" >&2\nexit 1\n";
+    fs::write(place.path().join("falsify_av.sh"), text).unwrap();
+    let output = program::falsify(&["run", "outside.scn", "--allow-external", "--out", "out"], place.path());
+    assert_eq!(output.status.code(), Some(5), "{output:?}");
+    assert!(error(&output).contains("not installed: `pip install './python[sumo]'` in a clone"), "{output:?}");
+}
+
+#[test]
+fn a_check_needs_300_mb_of_addresses() {
+    let limited =
+        format!("ulimit -v 300000; exec {} check scenarios/studies/learning.scn", env!("CARGO_BIN_EXE_falsify"));
+    let here = crate::repository();
+    let output = std::process::Command::new("sh").args(["-c", &limited]).current_dir(here).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
 }
 
 #[test]

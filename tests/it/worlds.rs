@@ -202,6 +202,49 @@ fn a_comparison_says_which_episodes_were_in_error_and_its_gate_fails() {
     assert!(code == Some(7) && text.contains("--fail-if: episodes in error"), "{text}");
 }
 
+/// A run of short episodes in the world of the tests.
+fn run_in(fault: &str, episodes: u32) -> (Option<i32>, String) {
+    let place = tempfile::tempdir().unwrap();
+    let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
+    let world = format!("{}\", timeout: 60 s)", world_with(fault));
+    let scenario =
+        scenario.replace("python3 my_world.py\", files: [\"my_world.py\"])", &world).replace("../lib", "std");
+    let scenario = scenario.replace("episodes: 20", &format!("episodes: {episodes}")).replace("[here, mine]", "[mine]");
+    let brief = "episode brief { ticks: 40 }\ncampaign";
+    let scenario = scenario.replace("thirty_seconds", "brief").replacen("\ncampaign", &format!("\n{brief}"), 1);
+    std::fs::write(place.path().join("one.scn"), scenario).unwrap();
+    said(&["run", "--allow-external", "--threads", "1", "--out", "out", "one.scn"], place.path())
+}
+
+#[needs(python)]
+#[test]
+fn one_error_in_a_hundred_episodes_of_a_world_is_a_warning() {
+    let (code, text) = run_in("rare", 130);
+    let said =
+        "1 of 130 episodes are in error, at most one in a hundred of those in other simulators, and count for nothing";
+    assert!(code == Some(0) && text.contains("warning") && text.contains(said), "{text}");
+    let (code, text) = run_in("often", 40);
+    assert!(code == Some(5) && text.contains("of 40 episodes are in error and count for nothing"), "{text}");
+}
+
+#[needs(python)]
+#[test]
+fn a_world_that_draws_what_its_seed_does_not_decide_is_found() {
+    let (code, text) = run_in("draws", 3);
+    assert!(code == Some(0) && text.contains("`mine` says of itself `seeds: true`, and "), "{text}");
+    for fault in ["none", "unseeded"] {
+        let (code, text) = run_in(fault, 3);
+        assert!(code == Some(0) && !text.contains("says of itself"), "{fault}: {text}");
+    }
+}
+
+#[needs(python)]
+#[test]
+fn a_world_that_is_another_one_at_its_second_start_is_refused() {
+    let (code, text) = run_in("another", 3);
+    assert!(code == Some(5) && text.contains("greeted wrongly: otherwise than at its first start"), "{text}");
+}
+
 #[needs(python)]
 #[test]
 fn a_log_says_how_far_a_slow_world_is() {
