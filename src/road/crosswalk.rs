@@ -1,35 +1,10 @@
 //! Crosswalks as polygons over the carriageway.
 
-use std::ops::Deref;
-
-use super::{LaneFilter, LaneKind, Place, Town, Waypoint};
+use super::{Crosswalk, LaneFilter, LaneKind, Town, Waypoint};
 use crate::geometry::{Point, Vector};
 
 /// How far beside the carriageway the middle of a crosswalk may be given (m).
 const BESIDE: f64 = 1.0;
-
-/// A crosswalk: its corners in order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Crosswalk {
-    pub corners: Vec<Point>,
-    /// The height of its street (m).
-    pub ground: f64,
-}
-
-impl Crosswalk {
-    /// Its first corner.
-    pub fn place(&self) -> Place {
-        Place::on(self.corners.first().copied().unwrap_or_default(), self.ground)
-    }
-}
-
-impl Deref for Crosswalk {
-    type Target = [Point];
-
-    fn deref(&self) -> &[Point] {
-        &self.corners
-    }
-}
 
 /// Why there can be no crosswalk at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

@@ -1,5 +1,7 @@
-use super::{RoadIndex, Waypoint};
-use crate::geometry::{OrientedBox, Pose};
+use std::ops::Deref;
+
+use super::{Place, RoadIndex, Waypoint};
+use crate::geometry::{OrientedBox, Point, Pose};
 use base::choice;
 
 /// A speed limit that a vehicle takes over when its box touches the sign's trigger box.
@@ -70,4 +72,27 @@ pub struct GiveWaySign {
     /// # Source
     /// German road traffic regulations (StVO), section 37: lights take precedence over signs.
     pub has_light: bool,
+}
+
+/// A crosswalk: its corners in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crosswalk {
+    pub corners: Vec<Point>,
+    /// The height of its street (m).
+    pub ground: f64,
+}
+
+impl Crosswalk {
+    /// Its first corner.
+    pub fn place(&self) -> Place {
+        Place::on(self.corners.first().copied().unwrap_or_default(), self.ground)
+    }
+}
+
+impl Deref for Crosswalk {
+    type Target = [Point];
+
+    fn deref(&self) -> &[Point] {
+        &self.corners
+    }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::chord::Chord;
 use super::chord_tree::first_nearest;
-use super::{LaneFilter, LaneKind, RoadIndex, RoadLink, Town, Waypoint};
+use super::{LaneFilter, LaneKind, Place, RoadIndex, RoadLink, Town, Waypoint};
 use crate::geometry::{Point, Pose};
 
 /// Places whose heights differ by less than this are on one level (m).
@@ -20,26 +20,6 @@ const EDGE: f64 = 0.1;
 const STEP: f64 = 2.0;
 /// Lanes whose directions have a greater cosine lead the same way.
 const SAME_WAY: f64 = 0.7;
-
-/// A place and, where that is known, the height of its ground (m). In a town with roads above each other it says which of them counts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
-    pub point: Point,
-    pub ground: Option<f64>,
-}
-
-impl Place {
-    /// A place whose ground is this high (m).
-    pub fn on(point: Point, ground: f64) -> Self {
-        Self { point, ground: Some(ground) }
-    }
-}
-
-impl From<Point> for Place {
-    fn from(point: Point) -> Self {
-        Self { point, ground: None }
-    }
-}
 
 /// A place at which a lane of one road lies on a lane of another one, as seen from above.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,5 @@
 use super::{LaneId, RoadIndex};
+use crate::geometry::Point;
 
 /// A place on a lane's centre line. The [`Town`](super::Town) gives its pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,4 +27,24 @@ pub struct LaneStretch {
     pub start: Waypoint,
     /// Its length along the reference line (m).
     pub length: f64,
+}
+
+/// A place and, where that is known, the height of its ground (m). In a town with roads above each other it says which of them counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    pub point: Point,
+    pub ground: Option<f64>,
+}
+
+impl Place {
+    /// A place whose ground is this high (m).
+    pub fn on(point: Point, ground: f64) -> Self {
+        Self { point, ground: Some(ground) }
+    }
+}
+
+impl From<Point> for Place {
+    fn from(point: Point) -> Self {
+        Self { point, ground: None }
+    }
 }

@@ -1,11 +1,12 @@
-//! Actors on roads above each other neither meet nor see each other.
+//! Actors on roads above each other neither meet nor see each other, and ways end where roads do.
 
 use std::sync::Arc;
 
+use base::seed::Seed;
 use proptest::prelude::*;
 use road::Town;
 use road::geometry::{Obstacles, Point, Pose};
-use world::av::PerfectSensors;
+use world::av::{Path, PerfectSensors};
 use world::sim::{
     ActorId, ActorStart, Control, LightCycle, PedestrianBody, Start, VehicleBlueprint, WalkCommand, World,
 };
@@ -49,6 +50,23 @@ fn a_car_under_a_footbridge_hits_nobody_on_it() {
     let (other, walker) = (Pose::new(101.75, -45.0, 1.5708), Pose::new(100.0, -8.0, 1.5708));
     assert_eq!(drive(bridge(0.0), other, walker), (true, true));
     assert_eq!(drive(bridge(6.0), other, walker), (false, false));
+}
+
+#[test]
+fn a_car_behind_the_end_of_its_road_has_no_way_ahead() {
+    let (town, car) = (town([0.0, 50.0, 0.0], 50.0, [0.0, 0.0]), VehicleBlueprint::model3());
+    let mut world = World::new(Arc::new(town), Arc::new(Obstacles::new(&[])), vec![car], vec![], None, 0.05);
+    let (mut sensors, mut path) = (PerfectSensors::default(), Path::default());
+    for (x, is_over) in [(190.0, false), (199.0, false), (201.0, true), (260.0, true)] {
+        let vehicles = [ActorStart::standing(Pose::new(x, -1.75, 0.0))];
+        world.begin(&Start { vehicles: &vehicles, pedestrians: &[], light_phase: 0.0 });
+        let perception = sensors.perceive(&world, 0);
+        if x == 190.0 {
+            path.reset(&perception, Seed::root(1).stream());
+        }
+        path.advance(&perception);
+        assert_eq!(path.is_over(perception.ego.pose.position()), is_over, "{x}");
+    }
 }
 
 proptest! {
