@@ -107,7 +107,8 @@ fn answer(comparison: &ReportComparison) -> String {
     let faults: Vec<&PairedRate> =
         rates(FAULT_RATE).chain(comparison.searches.iter().map(|each| &each.found)).collect();
     let collisions: Vec<&PairedRate> = rates(COLLISION_RATE).collect();
-    if faults.iter().chain(&collisions).all(|rate| rate.is_unchanged) && !collisions.is_empty() {
+    let is_same = collisions.iter().all(|rate| rate.is_unchanged) && faults.iter().all(|rate| rate.changed.is_same());
+    if is_same && !collisions.is_empty() {
         return "Nothing changed: all common starts end in the same episodes.".into();
     }
     let shown = |rates: &[&PairedRate], is_more: bool| {
