@@ -44,6 +44,12 @@ impl Opener for ProcessOpener {
 }
 
 impl ProcessOpener {
+    /// Of a program, not of a library: what it starts ends with this process, also what has lost its parent, and it may ask before a run.
+    pub fn of_program() -> Self {
+        super::adopt();
+        Self::default().asking()
+    }
+
     /// The same; it may start a program before a run to ask what that can do.
     pub fn asking(self) -> Self {
         Self { asks: true, ..self }

@@ -21,8 +21,11 @@ const LONG: f64 = 0.1;
 /// Time between two looks at the child.
 const PAUSE: Duration = Duration::from_millis(1);
 
+/// The time of a decision (s) where it is long, or why a trial did not reach its end.
+type Answer = Result<Option<f64>, String>;
+
 /// The answers of all trials, by digests of their bytes.
-static REMEMBERED: Mutex<BTreeMap<[u8; 32], Result<Option<f64>, String>>> = Mutex::new(BTreeMap::new());
+static REMEMBERED: Mutex<BTreeMap<[u8; 32], Answer>> = Mutex::new(BTreeMap::new());
 
 /// Starts this program again with these words, and gives it bytes on its standard input. It should call [`limit_trial`], do with the bytes
 /// what may take the machine, write how long that took (s), and end with exit code 0 whatever the result is. The same bytes are tried once. Returns the

@@ -112,8 +112,8 @@ impl DrivenPath {
                 continue;
             }
             let each = PARTS[0] / PARTS[1];
-            for small in part * each..((part + 1) * each).min(small_parts.len()) {
-                if small_parts[small].apart(point) > least {
+            for (small, bounds) in small_parts.iter().enumerate().skip(part * each).take(each) {
+                if bounds.apart(point) > least {
                     continue;
                 }
                 let end = ((small + 1) * PARTS[1]).min(self.vertices.len());

@@ -176,8 +176,8 @@ proptest! {
         place in (-60.0..60.0_f64, -60.0..60.0_f64),
     ) {
         // Laps of a circle whose radius grows and shrinks.
-        let radius = |step: f64| 30.0 + 8.0 * (step * 0.013 + seed as f64).sin();
-        let pose = |step: f64| Pose::new(radius(step) * (0.02 * step).cos(), radius(step) * (0.02 * step).sin(), 0.0);
+        let radius = |step: f64| 30.0 + 8.0 * libm::sin(step * 0.013 + seed as f64);
+        let pose = |step: f64| Pose::new(radius(step) * libm::cos(0.02 * step), radius(step) * libm::sin(0.02 * step), 0.0);
         let path = DrivenPath::new((0..6000).map(|step| pose(f64::from(step))));
         let point = Point::new(place.0, place.1);
         let first = path.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;

@@ -63,15 +63,9 @@ pub fn catalog() -> Catalog {
 /// A session that reports on the error stream, with progress on a terminal alone, and stops at Ctrl-C.
 pub fn session(allow_external: bool) -> Session {
     session_in(match allow_external {
-        true => without_programs().with_opener(Arc::new(opener())),
+        true => without_programs().with_opener(Arc::new(ProcessOpener::of_program())),
         false => without_programs(),
     })
-}
-
-/// Starts programs, which end with this one.
-pub fn opener() -> ProcessOpener {
-    process::adopt();
-    ProcessOpener::default().asking()
 }
 
 /// The same for a check: a program that is not allowed is looked up, with a warning.

@@ -11,7 +11,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::Args;
 
 use super::empty_road;
-use crate::cli::input::opener;
 use crate::cli::{console, interrupt};
 use crate::exit_code::ExitCode;
 use crate::session::seconds;
@@ -61,7 +60,7 @@ impl TrialArgs {
     /// Starts what is tried, and shows its first messages if they are asked for.
     pub(super) fn opener(&self) -> Overhearing {
         let left = if self.show { SHOWN } else { 0 };
-        Overhearing { inner: opener(), left: Arc::new(AtomicUsize::new(left)) }
+        Overhearing { inner: ProcessOpener::of_program(), left: Arc::new(AtomicUsize::new(left)) }
     }
 }
 

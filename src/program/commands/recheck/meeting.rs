@@ -7,10 +7,10 @@ use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, 
 use super::encounters::{MetAgain, cross};
 use super::{RecheckArgs, STARTS};
 use crate::cli::external_world::external_world;
-use crate::cli::input::opener;
 use crate::session::{EpisodeName, Error, Event, Input, Session, Source, Stage, WhichPrograms};
 use compile::{Campaign, HERE, Misfit, RunId, Staging};
 use episode::{ExternalWorld, Scenario};
+use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
 use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
@@ -112,7 +112,7 @@ impl Session {
 
 /// The other simulator with a name or a command, which the user allows by naming it.
 fn opened(name: &str, times: (f64, f64)) -> Result<Arc<ExternalWorld>, Error> {
-    let opener = Arc::new(opener());
+    let opener = Arc::new(ProcessOpener::of_program());
     let world = external_world(name, opener, times);
     world.map(Arc::new).map_err(|reason| Error::Usage(format!("cannot use the world `{name}`: {reason}")))
 }

@@ -268,7 +268,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
         let Some(walk) = &spawn.target_walk else { continue };
         let names = ("", search.key.town.as_str(), search.key.policy.as_str(), spawn.name.as_str());
         let decisive = search.scenario.decisive_cases();
-        for case in 0..walk.cases.len() {
+        for (case, is_decisive) in decisive.into_iter().enumerate() {
             let mut cell = ProtocolCell::new(names, walk, case);
             cell.falsifier = Some(search.key.falsifier.clone());
             let here = |start: u64| (start % walk.cases.len() as u64) as usize == case;
@@ -279,7 +279,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
             });
             let (worst, number) = judged.fold((0.0, None), |worst, each| if each.0 > worst.0 { each } else { worst });
             let name = || number.map(|number| format!("{}:{number}", search.origin.id));
-            if !result.spent.starts.iter().any(here) || worst == 0.0 && !decisive[case] {
+            if !result.spent.starts.iter().any(here) || worst == 0.0 && !is_decisive {
                 continue;
             }
             match all.iter_mut().find(|known| known.falsifier == cell.falsifier && known.is_same_case(&cell)) {

@@ -285,7 +285,8 @@ pub fn rechecked_table(rows: &[RecheckedFailures]) -> DataFrame {
     counted.push(count(MET_OTHERS, "", was(FAULT).not().and(is_met())));
     let made = || {
         let pairs = pairs(rows.iter().map(|row| &row.encounters));
-        let mut table = aggregated(failures_key().frame(rows), pairs.clone().filter(is_valid()), &counted)?;
+        let table = aggregated(failures_key().frame(rows), pairs.clone().filter(is_valid()), &counted)?;
+        let mut table = with_failed(table, pairs)?;
         for (columns, part, whole) in [(&STILL, "still_faults", MET_FAULTS), (&TURNED, "turned_faults", MET_OTHERS)] {
             let share = |[part, whole]: [u64; 2]| {
                 let (low, high) = clopper_pearson(part, whole, 0.05);
@@ -293,7 +294,7 @@ pub fn rechecked_table(rows: &[RecheckedFailures]) -> DataFrame {
             };
             derive(&mut table, columns.each_ref(), [part, whole], share)?;
         }
-        in_order(with_failed(table, pairs)?, &rechecked_reference())
+        in_order(table, &rechecked_reference())
     };
     let made: PolarsResult<DataFrame> = made();
     made.expect(HAS_COLUMNS)
@@ -311,8 +312,8 @@ pub fn crossed_table(rows: &[CrossedStarts]) -> DataFrame {
         let [weight_before, weight_after] = sides(AVOIDABLE).map(|side| col(&side).sum().alias(side));
         let more = [weight_before, weight_after, col(KNOWN).all(true)];
         let starts = starts(valid.clone(), sums(FAULT).into_iter().chain(more));
-        let mut table = aggregated(crossings_key().frame(rows), valid, &of_pairs)?;
-        table = aggregated(table, starts, &of_starts)?;
+        let table = aggregated(crossings_key().frame(rows), valid, &of_pairs)?;
+        let mut table = with_failed(aggregated(table, starts, &of_starts)?, all)?;
         for (share, part) in SHARES.iter().zip(["fault_starts_before", "fault_starts_after"]) {
             let ratio = |[part, whole]: [u64; 2]| (whole > 0).then(|| [part as f64 / whole as f64]);
             derive(&mut table, [share], [part, STARTS.name], ratio)?;
@@ -321,7 +322,7 @@ pub fn crossed_table(rows: &[CrossedStarts]) -> DataFrame {
         derive(&mut table, [&P], ["fault_starts_fixed", "fault_starts_new"], exact)?;
         derive(&mut table, [&P_STARTS], ["starts_better", "starts_worse"], exact)?;
         adjust(&mut table)?;
-        in_order(with_failed(table, all)?, &crossed_reference())
+        in_order(table, &crossed_reference())
     };
     let made: PolarsResult<DataFrame> = made();
     made.expect(HAS_COLUMNS)
@@ -375,12 +376,17 @@ fn aggregated(rows: DataFrame, pairs: LazyFrame, counted: &[Counted]) -> PolarsR
     beside(rows, pairs.group_by_stable([col(ROW)]).agg(sums))
 }
 
-/// Rows with the number of their pairs in error, and of their starts where there is no other pair.
+/// Rows with the number of their pairs in error. Where all are, the counts are 0, and so is the number of starts without any pair.
 fn with_failed(rows: DataFrame, pairs: LazyFrame) -> PolarsResult<DataFrame> {
     let failed = col(ERROR).cast(DataType::UInt64).sum().alias(FAILED.name);
-    let rows = beside(rows, pairs.group_by_stable([col(ROW)]).agg([failed]))?;
-    let counts = [STARTS.name, FAILED.name].into_iter().filter(|name| rows.get_column_index(name).is_some());
-    let counts: Vec<Expr> = counts.map(|name| col(name).fill_null(lit(0_u64))).collect();
+    let rows = beside(rows, pairs.group_by_stable([col(ROW)]).agg([failed, col(KNOWN).all(true)]))?;
+    let is_count = |column: &&Values| *column.dtype() == DataType::UInt64;
+    let zero = |column: &Values| {
+        let name = column.name().as_str();
+        let is_none = col(name).is_null().and(col(KNOWN).or(lit([STARTS.name, FAILED.name].contains(&name))));
+        when(is_none).then(lit(0_u64)).otherwise(col(name)).alias(name)
+    };
+    let counts: Vec<Expr> = rows.columns().iter().filter(is_count).map(zero).collect();
     rows.lazy().with_columns(counts).collect()
 }
 
@@ -518,6 +524,14 @@ mod tests {
         assert_eq!(known, [Some(2.0), Some(2.0), Some(2.0), Some(1.0)]);
         // Of no episode nothing is known.
         assert_eq!((number(&table, 1, "starts"), number(&table, 1, "p")), (Some(0.0), None));
+    }
+
+    #[test]
+    fn where_all_are_in_error_nothing_is_counted() {
+        let table = crossed_table(&[crossed(&["ee"])]);
+        let counts = ["failed_encounters", "starts", "faults_before", "fault_starts_new", "p"];
+        let counts = counts.map(|column| number(&table, 0, column));
+        assert_eq!(counts, [Some(2.0), Some(0.0), Some(0.0), Some(0.0), Some(1.0)]);
     }
 
     #[test]
