@@ -1,5 +1,6 @@
 //! Actors on roads above each other neither meet nor see each other, and ways end where roads do.
 
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use base::seed::Seed;
@@ -47,7 +48,7 @@ fn drive(town: Town, other: Pose, walker: Pose) -> (bool, bool) {
 fn a_car_under_a_footbridge_hits_nobody_on_it() {
     let bridge = |height| town([100.0, -50.0, std::f64::consts::FRAC_PI_2], 100.0, [height, 0.0]);
     // Both are in the way of the ego when it comes.
-    let (other, walker) = (Pose::new(101.75, -45.0, 1.5708), Pose::new(100.0, -8.0, 1.5708));
+    let (other, walker) = (Pose::new(101.75, -45.0, FRAC_PI_2), Pose::new(100.0, -8.0, FRAC_PI_2));
     assert_eq!(drive(bridge(0.0), other, walker), (true, true));
     assert_eq!(drive(bridge(6.0), other, walker), (false, false));
 }

@@ -255,8 +255,12 @@ pub fn external_not_allowed(said: &mut Vec<Diagnostic>, span: Span, command: &st
         }
         return;
     }
-    let make = if is_error { Diagnostic::error } else { Diagnostic::warning };
-    let first = make("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))
+    let text = format!("this scenario wants to start the program `{command}`");
+    let first = match is_error {
+        true => Diagnostic::error("external-not-allowed", span, text),
+        false => Diagnostic::warning("external-not-allowed", span, text),
+    };
+    let first = first
         .help("`--allow-external` (in Python `allow_external=True`) lets scenarios start programs; give it only with files that you trust");
     said.push(first);
 }

@@ -89,9 +89,12 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
+/// The value of a column in a row.
+type ValueOf<'t, R> = Rc<dyn Fn(&R) -> Value + 't>;
+
 /// What a table shows of rows of a kind: its columns, and the value of each in a row.
 pub struct Selection<'t, R> {
-    columns: Vec<(Column, Rc<dyn Fn(&R) -> Value + 't>)>,
+    columns: Vec<(Column, ValueOf<'t, R>)>,
 }
 
 impl<'t, R> Selection<'t, R> {
