@@ -44,7 +44,7 @@ static ADOPTS: OnceLock<bool> = OnceLock::new();
 
 /// From now on processes below this one that lose their parent become its children, unless it has others already. For a program, not for a library.
 #[cfg(target_os = "linux")]
-pub fn adopt() {
+pub(super) fn adopt() {
     ADOPTS.get_or_init(|| children().is_empty() && nix::sys::prctl::set_child_subreaper(true).is_ok());
 }
 

@@ -22,8 +22,6 @@ mod trial;
 
 #[cfg(unix)]
 pub use child::{end_all, failures};
-#[cfg(target_os = "linux")]
-pub use descendants::adopt;
 pub use find::missing_package;
 #[cfg(unix)]
 pub use limits::refusal;
@@ -31,10 +29,6 @@ pub use opener::ProcessOpener;
 #[cfg(unix)]
 pub use stopping::{allow_to_stop, end_with, stop_waiting};
 pub use trial::{limit_trial, trial, used_seconds};
-
-#[cfg(not(target_os = "linux"))]
-/// Other systems than Linux give no process another parent.
-pub fn adopt() {}
 
 #[cfg(not(unix))]
 /// Ends all children at once; there are none on this system.

@@ -46,7 +46,8 @@ impl Opener for ProcessOpener {
 impl ProcessOpener {
     /// Of a program, not of a library: what it starts ends with this process, also what has lost its parent, and it may ask before a run.
     pub fn of_program() -> Self {
-        super::adopt();
+        #[cfg(target_os = "linux")]
+        super::descendants::adopt();
         Self::default().asking()
     }
 
