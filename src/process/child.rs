@@ -46,7 +46,7 @@ pub fn failures() -> u64 {
     FAILURES.load(Ordering::Relaxed)
 }
 
-/// Ends all children at once, with all processes that they have started; on Linux also those that this process has [adopted](super::adopt).
+/// Ends all children at once, with all processes that they have started; on Linux also those that this process has adopted.
 pub fn end_all() {
     let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     for id in &*running {
