@@ -145,6 +145,14 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     let worse: u64 = cells.iter().filter(single).map(|row| row["collisions_worse"].as_u64().unwrap()).sum();
     let listed = changes.iter().filter(|change| change["change"] == "worse").count();
     assert!(worse > 0 && worse == listed as u64, "{worse} {listed}");
+    let answer = |other: &str| {
+        let shown = text(&falsify(&["compare", "old/two", other], here));
+        let answers =
+            ["Nothing changed: ", "The driver after is worse: more ", "No difference in faults or collisions"];
+        answers.into_iter().filter(|answer| shown.contains(answer)).collect::<Vec<_>>()
+    };
+    assert_eq!(answer("old/two"), ["Nothing changed: "]);
+    assert_eq!(answer("new/two"), ["No difference in faults or collisions"], "of 15 starts");
     let shown = text(&falsify(&["compare", "old/two", "new/two"], here));
     for part in [format!(" new, {worse} worse, ").as_str(), "have a milder verdict: ", "p decides: "] {
         assert!(shown.contains(part), "{part}: {shown}");

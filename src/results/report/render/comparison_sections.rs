@@ -5,7 +5,7 @@ use super::table::{Column, Table, Value};
 use crate::report::compare::drivers;
 use crate::report::{ComparedCell, ComparedSearch, CountedEvent, FailureChange, PairedRate, ReportComparison};
 use crate::tables::Changed;
-use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE};
+use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE, IMPACT_SPEED};
 use base::statistics::mcnemar;
 
 /// Maximum number of kinds in a table.
@@ -107,32 +107,34 @@ fn answer(comparison: &ReportComparison) -> String {
     let faults: Vec<&PairedRate> =
         rates(FAULT_RATE).chain(comparison.searches.iter().map(|each| &each.found)).collect();
     let collisions: Vec<&PairedRate> = rates(COLLISION_RATE).collect();
+    let worse: Vec<&PairedRate> = rates(IMPACT_SPEED).collect();
     let is_same = collisions.iter().all(|rate| rate.is_unchanged) && faults.iter().all(|rate| rate.changed.is_same());
     if is_same && !collisions.is_empty() {
         return "Nothing changed: all common starts end in the same episodes.".into();
     }
-    let shown = |rates: &[&PairedRate], is_more: bool| {
-        let shown = rates.iter().filter(|rate| (rate.difference() > 0.0) == is_more);
-        let found: Vec<f64> = shown.filter_map(|rate| rate.holm.filter(|p| *p < 0.05)).collect();
-        found.iter().copied().reduce(f64::min).map(|least| (found.len(), least))
+    let shown = |rates: &[&PairedRate], is_more: bool, what: &str| {
+        let side = rates.iter().filter(|rate| (rate.difference() > 0.0) == is_more);
+        let found: Vec<f64> = side.filter_map(|rate| rate.holm.filter(|p| *p < 0.05)).collect();
+        let least = found.iter().copied().reduce(f64::min)?;
+        Some(format!("{what} in {} of {} rows (p {})", found.len(), rates.len(), at_most(least)))
     };
-    let words = |rates: &[&PairedRate], what: &str| {
-        let part = |is_more: bool, word: &str| {
-            let (rows, least) = shown(rates, is_more)?;
-            Some(format!("{word} {what} in {rows} of {} rows (p {})", rates.len(), at_most(least)))
-        };
-        [part(false, "fewer"), part(true, "more")].into_iter().flatten().collect::<Vec<String>>()
+    let [fewer, more] = [false, true].map(|is_more| {
+        let word = if is_more { "more" } else { "fewer" };
+        let of = [
+            (&faults, "faults"),
+            (&collisions, "collisions"),
+            (&worse, "collisions that are worse than on the other side"),
+        ];
+        let all = of.into_iter().filter_map(|(rates, what)| shown(rates, is_more, &format!("{word} {what}")));
+        all.collect::<Vec<String>>()
+    });
+    let verdict = match [fewer.is_empty(), more.is_empty()] {
+        [true, true] => return "No difference in faults or collisions is shown.".into(),
+        [false, true] => "The driver after is better",
+        [true, false] => "The driver after is worse",
+        [false, false] => "The driver after is better in part and worse in part",
     };
-    let all = [words(&faults, "faults"), words(&collisions, "collisions")].concat();
-    let decides =
-        if [false, true].iter().any(|is_more| shown(&faults, *is_more).is_some()) { &faults } else { &collisions };
-    let verdict = match [false, true].map(|is_more| shown(decides, is_more).is_some()) {
-        [true, false] => "The driver after is better",
-        [false, true] => "The driver after is worse",
-        [true, true] => "The driver after is better in some rows and worse in others",
-        [false, false] => return "No difference in faults or collisions is shown.".into(),
-    };
-    format!("{verdict}: {}.", all.join(", "))
+    format!("{verdict}: {}.", [fewer, more].concat().join(", "))
 }
 
 /// A probability in a sentence.
