@@ -364,6 +364,13 @@ pub const LEFT_LANE: Metric = Metric::mean(
     "mean time of an episode in which the car was outside its lane, over `all_episodes`",
 );
 
+/// What the answer of a comparison weighs, with the plural of what a rate is of; searches count with the first.
+pub const ANSWER: [(&Metric, &str); 3] = [
+    (&FAULT_RATE, "faults"),
+    (&COLLISION_RATE, "collisions"),
+    (&IMPACT_SPEED, "collisions that are worse than on the other side"),
+];
+
 /// The number of runs of a cell.
 pub const RUNS: Column<u32> = Column::new("runs", "", "number of runs");
 /// The mean over the runs of a cell.

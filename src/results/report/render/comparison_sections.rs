@@ -5,7 +5,7 @@ use super::table::{Column, Table, Value};
 use crate::report::compare::drivers;
 use crate::report::{ComparedCell, ComparedSearch, CountedEvent, FailureChange, PairedRate, ReportComparison};
 use crate::tables::Changed;
-use crate::tables::metrics::{COLLISION_RATE, FAULT_RATE, IMPACT_SPEED};
+use crate::tables::metrics::{ANSWER, COLLISION_RATE, FAULT_RATE};
 use base::statistics::mcnemar;
 
 /// Maximum number of kinds in a table.
@@ -94,8 +94,6 @@ fn common_starts(cell: &ComparedCell) -> String {
 
 /// Whether the driver after is better: by faults, those of searches too, and by collisions. Rows of several pedestrians count, or each pedestrian where there is one.
 fn answer(comparison: &ReportComparison) -> String {
-    let place =
-        |metric| comparison.events.iter().position(|event| event.requirement.is_none() && *event.figure == metric);
     let is_pooled_too = |cell: &ComparedCell| {
         let keys = |other: &ComparedCell| other.keys.each_ref().map(|key| key.policy.clone());
         comparison.cells.iter().any(|other| other.is_pooled() && keys(other) == keys(cell))
@@ -103,15 +101,17 @@ fn answer(comparison: &ReportComparison) -> String {
     let cells =
         comparison.cells.iter().filter(|cell| cell.is_pooled() || cell.keys[0].is_of_reward() || !is_pooled_too(cell));
     let cells: Vec<&ComparedCell> = cells.collect();
-    let rates = |metric| cells.iter().filter_map(move |cell| cell.rates.get(place(metric)?)?.as_ref());
-    let faults: Vec<&PairedRate> =
-        rates(FAULT_RATE).chain(comparison.searches.iter().map(|each| &each.found)).collect();
-    let collisions: Vec<&PairedRate> = rates(COLLISION_RATE).collect();
-    let worse: Vec<&PairedRate> = rates(IMPACT_SPEED).collect();
-    let is_same = collisions.iter().all(|rate| rate.is_unchanged) && faults.iter().all(|rate| rate.changed.is_same());
-    if is_same && !collisions.is_empty() {
+    let mut weighed = ANSWER.map(|(metric, what)| {
+        let place = comparison.events.iter().position(|event| event.requirement.is_none() && event.figure == metric);
+        let rates = cells.iter().filter_map(|cell| cell.rates.get(place?)?.as_ref());
+        (rates.collect::<Vec<&PairedRate>>(), what)
+    });
+    let is_same = weighed.iter().flat_map(|(rates, _)| rates).all(|rate| rate.is_unchanged);
+    let searches = || comparison.searches.iter().map(|each| &each.found);
+    if is_same && !weighed[0].0.is_empty() && searches().all(|rate| rate.changed.is_same()) {
         return "Nothing changed: all common starts end in the same episodes.".into();
     }
+    weighed[0].0.extend(searches());
     let shown = |rates: &[&PairedRate], is_more: bool, what: &str| {
         let side = rates.iter().filter(|rate| (rate.difference() > 0.0) == is_more);
         let found: Vec<f64> = side.filter_map(|rate| rate.holm.filter(|p| *p < 0.05)).collect();
@@ -120,12 +120,7 @@ fn answer(comparison: &ReportComparison) -> String {
     };
     let [fewer, more] = [false, true].map(|is_more| {
         let word = if is_more { "more" } else { "fewer" };
-        let of = [
-            (&faults, "faults"),
-            (&collisions, "collisions"),
-            (&worse, "collisions that are worse than on the other side"),
-        ];
-        let all = of.into_iter().filter_map(|(rates, what)| shown(rates, is_more, &format!("{word} {what}")));
+        let all = weighed.iter().filter_map(|(rates, what)| shown(rates, is_more, &format!("{word} {what}")));
         all.collect::<Vec<String>>()
     });
     let verdict = match [fewer.is_empty(), more.is_empty()] {
