@@ -35,11 +35,11 @@ class MyWorld:
         # 3: drive the car, and put each pedestrian where it is at the end of the tick.
         control = message["control"]
         slip = math.atan(math.tan(control["wheel_angle"]) / 2)
-        way = self.speed * self.tick
+        before, self.speed = self.speed, max(self.speed + control["acceleration"] * self.tick, 0.0)
+        way = (before + self.speed) / 2 * self.tick
         self.x += way * math.cos(self.yaw + slip)
         self.y += way * math.sin(self.yaw + slip)
         self.yaw += way * math.sin(slip) / (self.wheelbase / 2)
-        self.speed = max(self.speed + control["acceleration"] * self.tick, 0.0)
         self.walkers = message["pedestrians"]
 
     def state(self, tick):

@@ -127,7 +127,7 @@ pub struct Violation {
     pub part: String,
     /// Whether it is decided at the touch of a collision, which is a failure by itself.
     pub at_collision: bool,
-    /// Whether both careful humans satisfy the requirement; `None` without a verdict.
+    /// Whether all careful drivers satisfy the requirement; `None` without a verdict.
     pub preventable: Option<bool>,
 }
 

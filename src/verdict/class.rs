@@ -13,7 +13,7 @@ choice! {
     /// | class | when |
     /// |---|---|
     /// | `bump` | the car was at most 0.1 m/s fast |
-    /// | `not_preventable` | not every careful human avoids it |
+    /// | `not_preventable` | not every careful driver avoids it |
     /// | `unforeseeable` | the pedestrian did not move as people do |
     /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear. One that kept its velocity and is touched within half a metre and 0.1 s behind the bumper did not |
     /// | `slow` | the car was slower than [`WALKING_PACE`] |
@@ -25,7 +25,7 @@ choice! {
     pub enum Class {
         /// The car stood.
         Bump = "bump",
-        /// Not every careful human avoids it.
+        /// Not every careful driver avoids it.
         NotPreventable = "not_preventable",
         /// The pedestrian did not move as people do.
         Unforeseeable = "unforeseeable",
@@ -49,7 +49,7 @@ choice! {
 pub(super) struct Facts {
     /// Whether the car moved.
     pub moved: bool,
-    /// Whether both careful humans avoid it.
+    /// Whether all careful drivers avoid it.
     pub preventable: bool,
     /// Whether the pedestrian moved as people do.
     pub foreseeable: bool,
@@ -89,16 +89,16 @@ impl Class {
     pub fn reason(self) -> &'static str {
         match self {
             Self::Bump => "the car stood",
-            Self::NotPreventable => "not every careful human avoids it",
+            Self::NotPreventable => "not every careful driver avoids it",
             Self::Unforeseeable => "the pedestrian did not move as people do",
             Self::Flank => "the pedestrian walked into the flank or the rear after the front had passed",
             Self::Slow => "the car was slower than 1 m/s",
             Self::Narrow => "a careful human has less than 0.1 m to spare",
             Self::Followed => "a car behind runs into that of a careful human who brakes",
             Self::Runner => {
-                "a careful human avoids it; the person was faster than 8 km/h and moved as runners and cyclists do"
+                "every careful driver avoids it; the person was faster than 8 km/h and moved as runners and cyclists do"
             }
-            Self::Fault => "a careful human avoids it clearly, and the pedestrian moved as people do, not into the car",
+            Self::Fault => "every careful driver avoids it clearly, and the pedestrian moved as people do, not into the car",
         }
     }
 }

@@ -51,15 +51,14 @@ pub(super) struct CarMotion {
 
 #[cfg(test)]
 impl CarMotion {
-    /// A car with these speeds (m/s), tick by tick of `dt` (s): it moves with the speed at the start of a tick.
+    /// A car with these speeds (m/s), tick by tick of `dt` (s): it moves with the mean of the speeds at both ends of a tick.
     pub(super) fn of_speeds(speeds: Vec<f64>, dt: f64) -> Self {
-        let mut way = 0.0;
-        let ways = speeds.iter().map(|speed| {
-            let here = way;
-            way += speed * dt;
-            here
+        let moved = speeds.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0 * dt);
+        let ways = moved.scan(0.0, |way, moved| {
+            *way += moved;
+            Some(*way)
         });
-        Self { ways: ways.collect(), speeds }
+        Self { ways: std::iter::once(0.0).chain(ways).collect(), speeds }
     }
 }
 

@@ -10,10 +10,11 @@ const MAX_DECELERATION: f64 = 50.0;
 /// The deceleration is known to this (m/s²).
 const RESOLUTION: f64 = 0.001;
 
-/// The car that follows the one under test, when a careful human brakes that one.
+/// The car that follows the one under test, when a careful human brakes that one no harder than it must.
 ///
-/// It drives as recorded until 0.75 s after the human begins to brake: the reaction of UN R157's careful human. Then it brakes with a constant
-/// deceleration.
+/// The human brakes from when braking is due, its reaction after the danger begins, with the least deceleration that avoids the pedestrian. A danger that could be seen
+/// for long needs little. The follower drives as recorded until 0.75 s after the human begins to brake: the reaction of UN R157's careful human. Then it
+/// brakes with a constant deceleration.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Follower {
     /// Its number among the vehicles.

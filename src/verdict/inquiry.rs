@@ -25,6 +25,8 @@ pub struct Inquiry<'a> {
 impl<'a> Inquiry<'a> {
     /// The time to which the latest reaction is known (s).
     const RESOLUTION: f64 = 0.01;
+    /// The deceleration to which the least one is known (m/s²).
+    const MILDEST: f64 = 0.05;
 
     /// Starts an inquiry; `None` if vehicle and pedestrian did not touch.
     pub fn new(pair: &Pair<'a>) -> Option<Self> {
@@ -84,9 +86,9 @@ impl<'a> Inquiry<'a> {
         Label::of_moving(|reference| self.trial(reference).is_avoided())
     }
 
-    /// Whether the car moved and both careful humans avoid the touch.
+    /// Whether the car moved and all careful drivers avoid the touch.
     pub fn is_preventable(&mut self) -> bool {
-        self.has_moved() && Label::humans().into_iter().all(|human| self.trial(human).is_avoided())
+        self.has_moved() && Label::careful().into_iter().all(|driver| self.trial(driver).is_avoided())
     }
 
     /// Whether the car was faster than 0.1 m/s when it touched the pedestrian.
@@ -184,13 +186,28 @@ impl<'a> Inquiry<'a> {
         }
         let humans = Label::humans().map(|human| {
             let mut braked = Braked::default();
-            if let Model::Delayed(driver) = human.model() {
-                let notice = self.free.noticed(&self.encounter, &driver);
-                braked.stopped = self.free.braked_watched(&mut self.encounter, driver, notice, &mut braked).stopped;
-            }
+            let driver = self.mildest(human.reaction());
+            let notice = self.free.noticed(&self.encounter, &driver);
+            braked.stopped = self.free.braked_watched(&mut self.encounter, driver, notice, &mut braked).stopped;
             braked
         });
         Follower::behind(&self.pair, &self.encounter, &humans)
+    }
+
+    /// A human with this reaction (s) who brakes from when braking is due, and no harder than it must to avoid the touch. Due it is this long after the
+    /// pedestrian is in the way or moves into it, without a gate. If braking that early does not avoid it, the human is that of the verdict.
+    fn mildest(&mut self, reaction: f64) -> DelayedBrake {
+        let human = BrakeProfile::careful_human(reaction);
+        let early = |full| DelayedBrake::new(None, BrakeProfile { full, ..human });
+        if !self.braked(early(human.full)).is_avoided() {
+            return DelayedBrake::new(Some(Gate::CAREFUL), human);
+        }
+        let (mut low, mut high) = (0.0, human.full);
+        while high - low > Self::MILDEST {
+            let middle = (low + high) / 2.0;
+            *if self.braked(early(middle)).is_avoided() { &mut high } else { &mut low } = middle;
+        }
+        early(high)
     }
 
     /// The side of the touch, and whether the pedestrian walked into the car.

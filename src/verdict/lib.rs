@@ -16,13 +16,13 @@
 //!    for 5 s at most. It does not react to the other driver; how a pedestrian would react is not measured.
 //! 4. A driver *avoids* the failure when the car does not touch the pedestrian while the car moves. A pedestrian that then walks
 //!    into the standing car, or comes from behind, is not counted.
-//! 5. A collision that both careful humans avoid is *preventable*. It is a *fault* ([`Class`]) if the pedestrian moved as people do and was hit
+//! 5. A collision that all careful drivers avoid, both careful humans and the Fuzzy Safety Model, is *preventable*. It is a *fault* ([`Class`]) if the pedestrian moved as people do and was hit
 //!    by the front or driven into, at walking pace or more, both humans have 0.1 m to spare, and no car that follows runs into them ([`Follower`]).
 //!
 //! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording. A [`Judged`] episode has its outcome,
 //! the verdict on its touch and those on the violations of requirements.
 //!
-//! [`ViolationVerdict`] asks both careful humans about a requirement that is violated.
+//! [`ViolationVerdict`] asks the careful drivers about a requirement that is violated.
 //!
 //! A [`Recording`] holds an encounter from another simulator, or from a road, and has the same verdicts.
 //!

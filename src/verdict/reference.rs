@@ -11,8 +11,8 @@ choice! {
         AttentiveHuman = "cc_attentive",
         /// The Fuzzy Safety Model.
         FuzzySafety = "fsm",
-        /// RSS with the parameters of ad-rss-lib and CARLA.
-        Rss = "rss",
+        /// RSS with the parameters of ad-rss-lib and CARLA, of a car that keeps to its path.
+        Rss = "rss_straight",
         /// An emergency brake of 0.85 g, 0.35 s after the gate, with a ramp of 0.6 s.
         IdealBrake = "ideal",
         /// 0.85 g at once.
@@ -38,7 +38,7 @@ impl Reference {
             Self::CarefulHuman => "careful human",
             Self::AttentiveHuman => "attentive human",
             Self::FuzzySafety => "fuzzy safety",
-            Self::Rss => "RSS",
+            Self::Rss => "RSS, straight",
             Self::IdealBrake => "ideal brake",
             Self::Bound => "0.85 g at once",
         }

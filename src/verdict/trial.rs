@@ -231,8 +231,13 @@ impl FreeRun {
 impl Trial {
     /// Simulates an encounter with a reference driver.
     pub fn new(encounter: &mut Encounter<'_>, driver: &mut dyn ReferenceDriver) -> Self {
+        Self::watched(encounter, driver, &mut Unwatched)
+    }
+
+    /// The same, watched.
+    pub(super) fn watched(encounter: &mut Encounter<'_>, driver: &mut dyn ReferenceDriver, watch: &mut dyn Watch) -> Self {
         driver.begin();
-        Self::run(encounter, driver, 0, None, &mut Unwatched)
+        Self::run(encounter, driver, 0, None, watch)
     }
 
     /// Simulates an encounter from a tick on, up to which the driver has not interfered and the gap was at least this (m).

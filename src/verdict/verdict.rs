@@ -8,7 +8,7 @@ choice! {
     /// | label | when |
     /// |---|---|
     /// | `bump` | the car was at most 0.1 m/s fast when it was touched: there is no braking to judge |
-    /// | `preventable` | both careful humans avoid it |
+    /// | `preventable` | all careful drivers avoid it: both careful humans and the Fuzzy Safety Model |
     /// | `unpreventable` | the physical bound hits the pedestrian too |
     /// | `machine_preventable` | of all drivers only the ideal brake or the bound avoid it |
     /// | `contested` | the drivers disagree in another way |
@@ -17,7 +17,7 @@ choice! {
     /// is a preventable collision. [`Verdict::side`] and [`Verdict::walked_into`] state the side.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
     pub enum Label {
-        /// A careful human avoids it, for both readings of the rule.
+        /// All careful drivers avoid it.
         Preventable = "preventable",
         /// Reference drivers disagree.
         Contested = "contested",
@@ -43,19 +43,25 @@ impl Label {
     /// The number of labels.
     pub const COUNT: usize = 5;
 
-    /// The drivers that decide whether a collision is preventable, the one that brakes earlier first.
+    /// The two careful humans, the one that brakes earlier first.
     pub const fn humans() -> [Reference; 2] {
         [Reference::AttentiveHuman, Reference::CarefulHuman]
     }
 
+    /// The careful drivers, who decide whether a collision is preventable: both models of UN R157 for what a careful driver avoids.
+    pub const fn careful() -> [Reference; 3] {
+        let [attentive, careful] = Self::humans();
+        [attentive, careful, Reference::FuzzySafety]
+    }
+
     /// The label of a collision. `avoids` is asked only for the drivers that are needed.
     pub(super) fn of_moving(mut avoids: impl FnMut(Reference) -> bool) -> Self {
-        let humans = Self::humans().map(&mut avoids);
-        if humans == [true; 2] {
+        let careful = Self::careful().map(&mut avoids);
+        if careful == [true; 3] {
             Self::Preventable
         } else if !avoids(Reference::Bound) {
             Self::Unpreventable
-        } else if humans == [false; 2] && ![Reference::FuzzySafety, Reference::Rss].into_iter().any(avoids) {
+        } else if careful == [false; 3] && !avoids(Reference::Rss) {
             Self::MachinePreventable
         } else {
             Self::Contested
@@ -96,7 +102,7 @@ impl Verdict {
         &self.trials[reference as usize]
     }
 
-    /// Whether the car moved and both careful humans avoid it.
+    /// Whether the car moved and all careful drivers avoid it.
     pub fn is_preventable(&self) -> bool {
         self.label == Label::Preventable
     }
@@ -161,8 +167,10 @@ mod tests {
     fn labels_follow_who_avoids_it() {
         // Careful human, attentive human, fuzzy, RSS, ideal, bound: `a` avoids, `h` hits.
         for (who, wanted) in [
-            ("aahhaa", Label::Preventable),
-            ("aahhah", Label::Preventable),
+            ("aaahaa", Label::Preventable),
+            ("aaahah", Label::Preventable),
+            ("aahhaa", Label::Contested),
+            ("aahhah", Label::Unpreventable),
             ("hhhhhh", Label::Unpreventable),
             ("haaaah", Label::Unpreventable),
             ("hhhhaa", Label::MachinePreventable),
@@ -189,6 +197,6 @@ mod tests {
             asked.push(reference);
             true
         });
-        assert_eq!(asked, Label::humans());
+        assert_eq!(asked, Label::careful());
     }
 }

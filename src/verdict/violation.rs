@@ -1,6 +1,7 @@
 use super::encounter::STANDING;
 use super::trial::{FreeRun, Seen, Watch};
-use super::{Encounter, Inquiry, Label, PedestrianMotion, Reference};
+use super::reference::Model;
+use super::{Encounter, Inquiry, Label, PedestrianMotion, Trial};
 use base::choice;
 use base::signature::Requirement;
 use episode::requirement::Degree;
@@ -9,7 +10,7 @@ use road::geometry::{Point, Pose};
 use world::av::reference_drivers::DelayedBrake;
 
 choice! {
-    /// Why careful humans cannot be asked about a requirement.
+    /// Why careful drivers cannot be asked about a requirement.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     pub enum NoVerdict {
         /// It does not mention a pedestrian, to whom they would react.
@@ -33,7 +34,7 @@ impl NoVerdict {
     pub fn reason(self) -> &'static str {
         match self {
             Self::NoPedestrian => "it says nothing of a pedestrian",
-            Self::Braking => "it says how hard the car brakes, and careful humans never brake less than the driver",
+            Self::Braking => "it says how hard the car brakes, and careful drivers never brake less than the driver",
         }
     }
 }
@@ -41,12 +42,12 @@ impl NoVerdict {
 /// Whose fault the violation of a requirement is.
 ///
 /// 1. The episode is rewound from the sample that decides to the start of the danger, as a collision is.
-/// 2. From there both careful humans drive, as for a collision, to the end of the episode: a car that has stopped stands, and one that has passed the
+/// 2. From there all careful drivers drive, as for a collision, to the end of the episode: a car that has stopped stands, and one that has passed the
 ///    pedestrian never gains speed. After a recorded touch the pedestrian walks on for 5 s.
 /// 3. The requirement is evaluated on their samples, as if the episode started there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct ViolationVerdict {
-    /// Whether both careful humans satisfy the requirement.
+    /// Whether all careful drivers satisfy the requirement.
     pub preventable: bool,
     /// Whether the pedestrian moved as people do.
     pub foreseeable: bool,
@@ -57,7 +58,7 @@ pub struct ViolationVerdict {
 }
 
 impl ViolationVerdict {
-    /// Asks the careful humans about a requirement with this degree in an episode; `None` if it is satisfied, or if they cannot be asked.
+    /// Asks the careful drivers about a requirement with this degree in an episode; `None` if it is satisfied, or if they cannot be asked.
     pub fn new(pair: &Pair<'_>, requirement: &Requirement, degree: &Degree) -> Option<Self> {
         if !degree.is_violated() || NoVerdict::of(requirement).is_some() || pair.is_empty() {
             return None;
@@ -69,7 +70,7 @@ impl ViolationVerdict {
         {
             let (first, encounter) = Encounter::before(&pair, sample);
             danger = first;
-            preventable = Humans::new(&pair, requirement, first, encounter).all_satisfy();
+            preventable = CarefulDrivers::new(&pair, requirement, first, encounter).all_satisfy();
         }
         let foreseeable = PedestrianMotion::new(&pair).is_foreseeable();
         let touch = pair.contact.filter(|touch| touch.impact_speed > STANDING && sample + 1 >= pair.len());
@@ -79,15 +80,15 @@ impl ViolationVerdict {
     }
 }
 
-/// Both careful humans in the place of the driver.
-struct Humans<'a> {
+/// The careful drivers in the place of the driver.
+struct CarefulDrivers<'a> {
     pair: &'a Pair<'a>,
     requirement: &'a Requirement,
     first: usize,
     encounter: Encounter<'a>,
 }
 
-impl<'a> Humans<'a> {
+impl<'a> CarefulDrivers<'a> {
     fn new(pair: &'a Pair<'a>, requirement: &'a Requirement, first: usize, encounter: Encounter<'a>) -> Self {
         Self { pair, requirement, first, encounter }
     }
@@ -95,14 +96,16 @@ impl<'a> Humans<'a> {
     fn all_satisfy(mut self) -> bool {
         let mut free = Drive::default();
         let run = FreeRun::watched(&mut self.encounter, &mut free);
-        let driver = |human| match human {
-            Reference::AttentiveHuman => DelayedBrake::attentive_human(),
-            _ => DelayedBrake::careful_human(),
-        };
-        let notice = run.noticed(&self.encounter, &driver(Reference::CarefulHuman));
-        Label::humans().into_iter().all(|human| {
+        let notice = run.noticed(&self.encounter, &DelayedBrake::careful_human());
+        Label::careful().into_iter().all(|careful| {
             let mut drive = free.clone();
-            let trial = run.braked_watched(&mut self.encounter, driver(human), notice, &mut drive);
+            let trial = match careful.model() {
+                Model::Delayed(driver) => run.braked_watched(&mut self.encounter, driver, notice, &mut drive),
+                Model::Other(mut driver) => {
+                    drive = Drive::default();
+                    Trial::watched(&mut self.encounter, driver.as_mut(), &mut drive)
+                }
+            };
             self.is_satisfied(&drive, trial.time)
         })
     }
@@ -133,7 +136,7 @@ impl<'a> Humans<'a> {
     }
 }
 
-/// The car of a careful human: its poses and speeds (m/s).
+/// The car of a careful driver: its poses and speeds (m/s).
 #[derive(Debug, Clone, Default)]
 struct Drive {
     /// At the start of each tick, and at the end.

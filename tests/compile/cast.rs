@@ -19,7 +19,7 @@ use learn::{Agent, Credit, Env, Policies, PpoConfig};
 use road::geometry::{Obstacles, Point, Pose};
 use search::{Archive, ArchiveSearch, BudgetedSimulation, Failure, Falsifier, Learning, PedestrianEnv, TrainingRun};
 use verdict::cause::{Incident, Reruns, needs};
-use verdict::{Class, NearMiss, judge};
+use verdict::{Class, NearMiss, Verdict, judge};
 use world::av::{DrivingMode, PerfectSensors};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
 
@@ -257,17 +257,36 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     assert!(other.contact.is_none() && other.frame(0).ego.pose == behind.pose);
 }
 
+/// The verdict on a car that does not look: somebody stands at `x` (m) in its lane, 60 m from where it starts, and a car follows it at this distance (m).
+fn followed_by(distance: f64, x: f64) -> Verdict {
+    let behind = ActorStart { pose: Pose::new(60.0 - distance, LANE, 0.0), speed: 8.0 };
+    let in_lane = ActorStart::standing(Pose::new(x, LANE, 0.0));
+    let scenario = two_and_two("blind", ("blind", behind), (in_lane, Controller::Fixed(STANDING)));
+    let (_, trace) = run(&Arc::new(scenario.clone()), [STANDING; 2]);
+    judge(&trace.main_pair(&scenario)).unwrap()
+}
+
+/// A tailgater exonerates a driver whose danger needs hard braking, and not one who could have braked mildly long before.
+#[test]
+fn a_car_behind_counts_only_where_the_danger_needs_hard_braking() {
+    for distance in [5.4, 5.8, 6.2, 6.5, 6.7] {
+        for x in [78.2, 78.5] {
+            let verdict = followed_by(distance, x);
+            assert_eq!(verdict.class(), Class::Followed, "{distance} m behind, {x}: {verdict:?}");
+        }
+        for x in [100.0, 115.0] {
+            let verdict = followed_by(distance, x);
+            assert_eq!(verdict.class(), Class::Fault, "{distance} m behind, {x}: {verdict:?}");
+            let needed = verdict.follower.unwrap().deceleration.unwrap();
+            assert!(needed < 2.5, "{distance} m behind, {x}: {needed} m/s²");
+        }
+    }
+}
+
 /// The car under test does not look, and somebody stands in its lane. A careful human stops; the car behind must stop, too.
 #[test]
 fn a_human_whose_braking_is_hit_from_behind_is_told_apart() {
-    let verdict = |distance: f64| {
-        let behind = ActorStart { pose: Pose::new(60.0 - distance, LANE, 0.0), speed: 8.0 };
-        let in_lane = ActorStart::standing(Pose::new(90.0, LANE, 0.0));
-        let scenario = two_and_two("blind", ("blind", behind), (in_lane, Controller::Fixed(STANDING)));
-        let (_, trace) = run(&Arc::new(scenario.clone()), [STANDING; 2]);
-        judge(&trace.main_pair(&scenario)).unwrap()
-    };
-    let [near, far] = [6.5, 25.0].map(verdict);
+    let [near, far] = [6.5, 25.0].map(|distance| followed_by(distance, 78.5));
     assert_eq!((near.class(), far.class()), (Class::Followed, Class::Fault), "{near:?} {far:?}");
     assert!(near.is_preventable() && !near.is_fault());
     let [near, far] = [near, far].map(|verdict| verdict.follower.unwrap());
@@ -354,25 +373,21 @@ fn behind_a_van(is_parked: bool) -> Scenario {
 }
 
 #[test]
-fn a_parked_van_hides_and_is_walked_around_and_one_that_may_drive_does_not() {
+fn a_parked_van_hides_and_is_walked_around_and_one_that_may_drive_hides_only() {
     let steps = |scenario: &Arc<Scenario>, command: WalkCommand| {
         let mut env = scenario.simulation();
         let mut trace = Trace::new(scenario);
         env.start(Draw::new(&Seed::root(1), 0));
         trace.begin(&env.scene());
         carry_out(&mut *env, &[command], &mut trace);
-        let hidden = env
-            .scene()
-            .world
-            .obstacles
-            .blocks_sight(Pose::new(60.0, LANE, 0.0).position(), trace.pedestrian(0)[0].pose.position());
-        (trace, hidden)
+        let is_seen = env.scene().world.sees(ActorId::EGO, ActorId::Pedestrian(0));
+        (trace, is_seen)
     };
     let [van, car] = [true, false].map(|is_parked| Arc::new(behind_a_van(is_parked)));
-    let ((with, hidden), (without, shown)) = (steps(&van, STANDING), steps(&car, STANDING));
-    assert!(hidden && !shown);
+    let ((with, is_seen), (without, is_seen_too)) = (steps(&van, STANDING), steps(&car, STANDING));
+    assert!(!is_seen && !is_seen_too);
     let [first, other] = [with.main_pair(&van), without.main_pair(&car)];
-    assert!(!first.in_sight(&first.frame(0)) && other.in_sight(&other.frame(0)));
+    assert!(!first.in_sight(&first.frame(0)) && !other.in_sight(&other.frame(0)));
     // It walks west, at the front of the van, and is pushed aside instead of touching it.
     let west = WalkCommand { heading: std::f64::consts::PI, speed: 3.0 };
     let (trace, _) = steps(&van, west);
@@ -564,6 +579,28 @@ fn removal_names_the_child_and_neither_the_van_nor_the_one_who_stands_far_away()
     for incident in (0..25).map(out_of_the_shadow) {
         let fails = Reruns::new(&incident).run(&incident.commands).is_some_and(|rerun| rerun.outcome.is_collision());
         if fails {
+            let found: Vec<_> = needs(&incident).iter().map(|need| (need.actor, need.is_needed)).collect();
+            let wanted =
+                [(ActorId::Vehicle(1), false), (ActorId::Pedestrian(0), true), (ActorId::Pedestrian(1), false)];
+            assert_eq!(found, wanted, "the driver is blind");
+            failures += 1;
+        }
+    }
+    assert!(failures > 0);
+}
+
+/// Somebody far away whose policy draws: the commands of the others are carried out in the decision that takes them, and it is not needed.
+#[test]
+fn somebody_who_walks_at_random_far_away_is_not_needed_and_delays_nobody() {
+    let mut failures = 0;
+    for mut incident in (0..25).map(out_of_the_shadow) {
+        let mut scenario = Scenario::clone(&incident.scenario);
+        scenario.cast.pedestrians[1].controller = Controller::Own(episode::walker::Controller::new("random", || Box::new(Random::default())));
+        incident.scenario = Arc::new(scenario);
+        let again = Reruns::new(&incident).run(&incident.commands).unwrap();
+        let taken = again.commands.iter().step_by(2);
+        assert!(taken.zip(incident.commands.iter().step_by(2)).all(|(taken, told)| taken == told));
+        if again.outcome.is_collision() {
             let found: Vec<_> = needs(&incident).iter().map(|need| (need.actor, need.is_needed)).collect();
             let wanted =
                 [(ActorId::Vehicle(1), false), (ActorId::Pedestrian(0), true), (ActorId::Pedestrian(1), false)];

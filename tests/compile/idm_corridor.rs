@@ -58,27 +58,29 @@ fn a_crowd_changes_what_is_in_the_corridor_and_not_how_it_is_found() {
                 standing(number, Pose::new(place.x, place.y, stream.random_range(-3.0..3.0)))
             })
             .collect();
-        let mut perceived = |pedestrians: &[Actor]| {
-            control(
-                driver.as_mut(),
-                &Perception {
-                    town,
-                    blueprint,
-                    tick: 0,
-                    dt: 0.05,
-                    ego,
-                    ground: 0.0,
-                    speed_limit: 13.9,
-                    signed_limit: None,
-                    route: &[],
-                    pedestrians,
-                    vehicles: &[],
-                    obstacles: &obstacles,
-                    lights: &[],
-                    affecting_light: None,
-                },
-            )
+        let around = Perception {
+            town,
+            blueprint,
+            tick: 0,
+            dt: 0.05,
+            ego,
+            ground: 0.0,
+            speed_limit: 13.9,
+            signed_limit: None,
+            route: &[],
+            pedestrians: &[],
+            vehicles: &[],
+            obstacles: &obstacles,
+            lights: &[],
+            affecting_light: None,
         };
+        // Somebody hidden by another is not there.
+        let all = Perception { pedestrians: &crowd, ..around };
+        let hidden: Vec<bool> = crowd.iter().map(|actor| !all.in_sight(actor)).collect();
+        let mut hidden = hidden.into_iter();
+        crowd.retain(|_| !hidden.next().unwrap());
+        let mut perceived =
+            |pedestrians: &[Actor]| control(driver.as_mut(), &Perception { pedestrians, ..around });
         // One by one the whole path is searched; the strongest brake is that of the crowd.
         let alone: Vec<[u64; 3]> = crowd.iter().map(|actor| perceived(std::slice::from_ref(actor))).collect();
         let strongest = |a: &&[u64; 3], b: &&[u64; 3]| {

@@ -55,7 +55,7 @@ fn a_recorded_touch_has_a_verdict() {
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(
         text.contains(
-            "verdict: preventable\ncounts as fault: it counts against the driver, since a careful human avoids it"
+            "verdict: preventable\ncounts as fault: it counts against the driver, since every careful driver avoids it"
         ),
         "{text}"
     );

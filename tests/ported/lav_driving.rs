@@ -138,15 +138,15 @@ fn it_brakes_where_the_documentation_says() {
     let stands = |ahead: f64, left: f64| (ahead, left, Vector::zeros());
     let crosses = |ahead: f64, speed: f64| (ahead, 6.0, Vector::new(0.0, -speed));
     let rows = [
-        (stands(30.0, 0.0), Stops(5.91, 1.49), Stops(5.99, 2.86)),
-        (stands(30.0, 0.5), Stops(8.56, 4.12), Stops(8.56, 5.42)),
-        (stands(30.0, 1.9), Stops(8.43, 4.02), Stops(8.56, 5.29)),
-        (stands(30.0, 2.1), Stops(5.65, 1.25), Stops(5.79, 2.48)),
+        (stands(30.0, 0.0), Stops(5.91, 1.65), Stops(5.99, 2.96)),
+        (stands(30.0, 0.5), Stops(8.56, 4.29), Stops(8.56, 5.52)),
+        (stands(30.0, 1.9), Stops(8.43, 4.18), Stops(8.56, 5.39)),
+        (stands(30.0, 2.1), Stops(5.65, 1.37), Stops(5.79, 2.57)),
         (stands(30.0, 3.0), Passes(1.75), Passes(1.75)),
-        (crosses(15.0, 3.5), Stops(7.67, 2.98), Stops(8.51, 5.38)),
-        (crosses(12.0, 3.5), Stops(5.58, 0.65), Stops(7.73, 4.35)),
-        (crosses(10.0, 3.5), Hits(2.34), Stops(5.82, 2.35)),
-        (crosses(8.0, 3.5), Hits(6.62), Stops(4.77, 0.94)),
+        (crosses(15.0, 3.5), Stops(7.67, 3.14), Stops(8.51, 5.48)),
+        (crosses(12.0, 3.5), Stops(5.58, 0.81), Stops(7.73, 4.44)),
+        (crosses(10.0, 3.5), Hits(2.34), Stops(5.82, 2.44)),
+        (crosses(8.0, 3.5), Hits(6.62), Stops(4.77, 1.04)),
         (crosses(6.0, 3.5), Passes(0.22), Hits(0.03)),
         (crosses(12.0, 1.4), Passes(1.64), Hits(3.93)),
     ];

@@ -58,12 +58,17 @@ fn house() -> OrientedBox {
     OrientedBox::new(Pose::new(200.0, -300.0, 0.4), 10.0, 5.0)
 }
 
+/// Whether one point sees another.
+fn sees(obstacles: &Obstacles, from: Point, to: Point) -> bool {
+    obstacles.shows(from, (to, 0.0), std::iter::empty())
+}
+
 #[test]
 fn sight_is_blocked_through_a_box_and_free_past_it() {
     let obstacles = Obstacles::new(&[house()]);
     let through = house().pose.to_world(Vector::new(-20.0, 0.0));
-    assert!(obstacles.blocks_sight(through, house().pose.to_world(Vector::new(20.0, 1.0))));
-    assert!(!obstacles.blocks_sight(through, house().pose.to_world(Vector::new(20.0, 40.0))));
+    assert!(!sees(&obstacles, through, house().pose.to_world(Vector::new(20.0, 1.0))));
+    assert!(sees(&obstacles, through, house().pose.to_world(Vector::new(20.0, 40.0))));
 }
 
 #[test]
@@ -97,6 +102,22 @@ proptest! {
         }
     }
 
+    /// What ends on a target is free up to there, and a target without a free ray has none.
+    #[test]
+    fn a_share_is_that_of_free_rays(x in 12.0..40.0f64, y in -30.0..30.0f64, width in 0.0..3.0f64, car in -10.0..10.0f64) {
+        let obstacles = Obstacles::new(&[house()]);
+        let eye = house().pose.to_world(Vector::new(-25.0, 0.0));
+        let target = house().pose.to_world(Vector::new(x, y));
+        let other = OrientedBox::new(Pose::new(eye.x + 4.0, eye.y + car, 0.3), 2.0, 1.0);
+        let across = (target - eye).normalize();
+        let ends = [-0.8, -0.4, 0.0, 0.4, 0.8].map(|share| target + Vector::new(-across.y, across.x) * (share * width));
+        let free = ends.iter().filter(|end| sees(&obstacles, eye, **end) && !other.is_crossed_by(eye, **end)).count();
+        let others = std::iter::once(other);
+        let share = obstacles.visible_share(eye, (target, width), others.clone());
+        prop_assert_eq!(share, free as f64 / 5.0);
+        prop_assert_eq!(obstacles.shows(eye, (target, width), others), free > 0);
+    }
+
     #[test]
     fn sight_agrees_with_points_on_the_line(ax in -30.0..30.0f64, ay in -30.0..30.0f64, bx in -30.0..30.0f64, by in -30.0..30.0f64) {
         let obstacles = Obstacles::new(&[house()]);
@@ -108,10 +129,10 @@ proptest! {
             })
             .fold(f64::INFINITY, f64::min);
         if deepest < -0.01 {
-            prop_assert!(obstacles.blocks_sight(a, b));
+            prop_assert!(!sees(&obstacles, a, b));
         }
         if deepest > 0.3 {
-            prop_assert!(!obstacles.blocks_sight(a, b));
+            prop_assert!(sees(&obstacles, a, b));
         }
     }
 }

@@ -4,8 +4,7 @@ use super::signal::{FARTHEST, FASTEST};
 use base::signature::{ActorSignal, Variable};
 use base::units::Dimension;
 use road::Place;
-use road::geometry::{Pose, Vector};
-use world::av::EYE;
+use road::geometry::Pose;
 use world::sim::{ActorId, Contact, World};
 
 /// The signals, in the order of their numbers.
@@ -38,7 +37,7 @@ pub(super) fn signals() -> Vec<Variable> {
                 Dimension::RATIO,
                 (0.0, 1.0),
                 1.0,
-                "Whether the driver's eye can see the middle or an edge of the role; from a second role its middle.",
+                "Whether the driver's eye can see any of the role; from a second role its driver's eye, or the middle of a pedestrian.",
             )
         },
     ]
@@ -60,16 +59,7 @@ pub(crate) fn value(world: &World, ActorSignal { of, to, signal }: ActorSignal, 
         2 => local.x,
         3 => local.y,
         4 => speed(world, of),
-        _ => {
-            let eye = match to {
-                ActorId::Vehicle(number) => {
-                    let car = &world.vehicles[usize::from(number)].blueprint;
-                    origin.to_world(Vector::new(car.half_length - EYE, 0.0))
-                }
-                ActorId::Pedestrian(_) => origin.position(),
-            };
-            f64::from(is_near && is_on_level() && world.obstacles.shows(eye, place.position(), radius(world, of)))
-        }
+        _ => f64::from(world.sees(to, of)),
     }
 }
 
@@ -91,13 +81,6 @@ fn speed(world: &World, actor: ActorId) -> f64 {
     match actor {
         ActorId::Vehicle(number) => world.vehicles[usize::from(number)].state.speed.abs(),
         ActorId::Pedestrian(number) => world.pedestrians[usize::from(number)].state.speed(),
-    }
-}
-
-fn radius(world: &World, actor: ActorId) -> f64 {
-    match actor {
-        ActorId::Vehicle(number) => world.vehicles[usize::from(number)].blueprint.half_width,
-        ActorId::Pedestrian(number) => world.pedestrians[usize::from(number)].body.radius,
     }
 }
 

@@ -151,7 +151,7 @@ variables! {
     crosswalk_taken: RATIO, (0.0, 1.0), 1.0, Condition;
     /// Whether a pedestrian waits at that crosswalk: beside it, at most 1.5 m away.
     crosswalk_waiting: RATIO, (0.0, 1.0), 1.0, Condition;
-    /// Whether the driver's eye can see the middle or an edge of the pedestrian.
+    /// Whether the driver's eye can see any of the pedestrian; obstacles and other actors hide it.
     in_sight: RATIO, (0.0, 1.0), 1.0, Condition;
     /// Whether the ego moves: faster than 0.1 m/s.
     moving: RATIO, (0.0, 1.0), 1.0, Condition;

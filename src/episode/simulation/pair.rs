@@ -5,7 +5,7 @@ use super::trace::VehicleFrame;
 use crate::requirement::Degree;
 use crate::{ActionSpec, Observation, ObservationSpec, PedestrianRole, RecordedActor, ReferenceFrame, Scenario, Trace};
 use road::geometry::{Obstacles, OrientedBox, Point, Vector};
-use world::av::{DrivingMode, EYE};
+use world::av::DrivingMode;
 use world::sim::{
     ActorId, Contact, Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand,
 };
@@ -20,6 +20,8 @@ pub struct Frame {
     pub mode: DrivingMode,
     /// Its pedals and its wheel in that tick.
     pub control: Control,
+    /// The number of the tick; 0 at the start.
+    pub tick: usize,
 }
 
 /// An episode as seen by one vehicle and one pedestrian: a view of two tracks of a [`Trace`].
@@ -105,7 +107,7 @@ impl<'a> Pair<'a> {
     }
 
     /// The other actors of the episode.
-    pub fn others(&self) -> impl Iterator<Item = RecordedActor<'a>> + use<'a> {
+    pub fn others(&self) -> impl Iterator<Item = RecordedActor<'a>> + Clone + use<'a> {
         let (scenario, trace, pair) = (self.scenario, self.trace, self.actors);
         let (vehicles, pedestrians) = (trace.vehicle_count() as u8, trace.pedestrian_count() as u8);
         let all = (0..vehicles).map(ActorId::Vehicle).chain((0..pedestrians).map(ActorId::Pedestrian));
@@ -168,22 +170,23 @@ impl<'a> Pair<'a> {
 
     /// Both after a tick; tick 0 is the start.
     pub fn frame(&self, tick: usize) -> Frame {
-        frame(&self.driving[tick], &self.walking[tick])
+        frame(tick, &self.driving[tick], &self.walking[tick])
     }
 
     /// Both at the end; `None` if no episode has started.
     pub fn last(&self) -> Option<Frame> {
-        Some(frame(self.driving.last()?, self.walking.last()?))
+        Some(self.frame(self.len().checked_sub(1)?))
     }
 
     /// Both at the start and after each tick.
     pub fn frames(&self) -> impl ExactSizeIterator<Item = Frame> + DoubleEndedIterator + Clone + use<'a> {
-        self.driving.iter().zip(self.walking).map(|(vehicle, pedestrian)| frame(vehicle, pedestrian))
+        let states = self.driving.iter().zip(self.walking).enumerate();
+        states.map(|(tick, (vehicle, pedestrian))| frame(tick, vehicle, pedestrian))
     }
 
     /// The position of the driver's eye: 1.9 m behind the bumper, on the axis.
     pub fn eye(&self, frame: &Frame) -> Point {
-        frame.ego.pose.to_world(Vector::new(self.blueprint.half_length - EYE, 0.0))
+        frame.ego.eye(self.blueprint)
     }
 
     /// What blocks the pedestrian and sight: the obstacles of the town, and parked vehicles.
@@ -191,10 +194,12 @@ impl<'a> Pair<'a> {
         self.trace.obstacles(self.scenario)
     }
 
-    /// Whether the middle or an edge of the pedestrian can be seen from the driver's eye. Only obstacles hide it.
+    /// Whether any of the pedestrian can be seen from the driver's eye. Obstacles and other actors hide it.
     pub fn in_sight(&self, frame: &Frame) -> bool {
-        self.is_on_level(frame)
-            && self.obstacles().shows(self.eye(frame), frame.pedestrian.pose.position(), self.body.radius)
+        let target = (frame.pedestrian.pose.position(), self.body.radius);
+        let others = self.others().filter(|actor| !actor.is_parked && !self.scenario.cast.is_absent(actor.id));
+        let others = others.map(|actor| OrientedBox { pose: actor.state(frame.tick).0, half: actor.half });
+        self.is_on_level(frame) && self.obstacles().shows(self.eye(frame), target, others)
     }
 
     /// Whether both are on one level. Otherwise they neither meet nor see each other.
@@ -219,7 +224,7 @@ impl<'a> Pair<'a> {
     }
 }
 
-fn frame(vehicle: &VehicleFrame, pedestrian: &PedestrianState) -> Frame {
+fn frame(tick: usize, vehicle: &VehicleFrame, pedestrian: &PedestrianState) -> Frame {
     let VehicleFrame { state, driven } = vehicle;
-    Frame { ego: *state, pedestrian: *pedestrian, mode: driven.mode, control: driven.control }
+    Frame { ego: *state, pedestrian: *pedestrian, mode: driven.mode, control: driven.control, tick }
 }

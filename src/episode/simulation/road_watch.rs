@@ -1,7 +1,6 @@
 use crate::LeftOut;
-use road::geometry::{Point, Vector};
-use world::av::EYE;
-use world::sim::World;
+use road::geometry::Point;
+use world::sim::{ActorId, World};
 
 /// Watches whether the car is on the road: one that leaves it before a pedestrian is in sight has a driver that is lost, whatever the pedestrian
 /// does, and beyond the end of the map no verdict means anything.
@@ -59,15 +58,8 @@ impl RoadWatch {
             }
             self.checked = (here, inside);
         }
-        let eye = ego.state.pose.to_world(Vector::new(ego.blueprint.half_length - EYE, 0.0));
-        let obstacles = &world.obstacles;
-        // A driver from outside gets what its middle sees, a verdict asks for its eye: either counts as sight.
-        let present = world.pedestrians.iter().enumerate().filter(|(_, pedestrian)| pedestrian.is_present);
-        let is_seen = present.filter(|(number, _)| world.is_on_level(0, *number)).any(|(_, pedestrian)| {
-            let place = pedestrian.state.pose.position();
-            !obstacles.blocks_sight(here, place) || obstacles.shows(eye, place, pedestrian.body.radius)
-        });
-        self.alone = !is_seen;
+        let mut pedestrians = (0..world.pedestrians.len() as u8).map(ActorId::Pedestrian);
+        self.alone = !pedestrians.any(|pedestrian| world.sees(ActorId::EGO, pedestrian));
     }
 
     /// Looks for the end of the map once a pedestrian is in sight: a car that drives past it is where the scenario has no road. Only our own

@@ -138,7 +138,9 @@ impl<'a> Scene<'a> {
 
     /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.
     pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
-        commands.copy_from_slice(self.commands());
+        if self.only.is_none() {
+            commands.copy_from_slice(self.commands());
+        }
         for ((number, role), part) in self.controlled().zip(action.as_chunks().0) {
             commands[number] = role.action.command(*part, |speed| self.origin(number, role.action.frame, speed));
         }

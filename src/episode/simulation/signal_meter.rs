@@ -4,8 +4,7 @@ use crate::MOVING_ABOVE;
 use crate::scenario::signal::{AHEAD, FARTHEST, HORIZON, Situation, Wanted};
 use road::geometry::{OrientedBox, Point, Vector, polygon, time_to_touch};
 use road::{Crosswalk, Place, TrafficLight};
-use world::av::EYE;
-use world::sim::{Contact, LightColour, World};
+use world::sim::{ActorId, Contact, LightColour, World};
 
 /// How far from a crosswalk a pedestrian still waits at it (m).
 const WAITING: f64 = 1.5;
@@ -164,9 +163,7 @@ impl SignalMeter {
             now.crosswalk_waiting = near((f64::MIN_POSITIVE, WAITING));
         }
         if wanted.in_sight {
-            let eye = ego.state.pose.to_world(Vector::new(ego.blueprint.half_length - EYE, 0.0));
-            let is_seen = world.obstacles.shows(eye, place, walker.body.radius);
-            now.in_sight = f64::from(is_seen && world.is_on_level(0, number));
+            now.in_sight = f64::from(world.sees(ActorId::EGO, ActorId::Pedestrian(number as u8)));
         }
     }
 }

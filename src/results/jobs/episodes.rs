@@ -53,7 +53,7 @@ pub(super) fn watch_numbered<T>(
             Box::new(TrainedWalker::new(first, &evaluation.scenario.cast, ActionMode::Deterministic))
         }
     };
-    let own = seed.child("walker").child(&evaluation.town).child(&evaluation.policy);
+    let own = seed.child("walker").child(&evaluation.town);
     let own = own.child(evaluation.controller.name()).index(evaluation.trained.run.into());
     let starts = episodes_seed(seed, &evaluation.town);
     evaluate_observed(walker.as_mut(), &evaluation.scenario, episodes, &starts, &own, note, observer)

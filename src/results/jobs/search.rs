@@ -74,7 +74,7 @@ impl SearchResult {
         self.scenario.requirements.get(self.criterion().requirement()?)
     }
 
-    /// Whether the failures have verdicts: collisions do, and violations about which careful humans can be asked.
+    /// Whether the failures have verdicts: collisions do, and violations about which careful drivers can be asked.
     pub fn is_judged(&self) -> bool {
         self.goal().is_none_or(|named| NoVerdict::of(&named.requirement).is_none())
     }

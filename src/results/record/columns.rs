@@ -135,7 +135,7 @@ pub const FORESEEABLE: Column<bool> = Column::new(
 pub const FAULT: Column<bool> = Column::new(
     "fault",
     "",
-    "whether it counts against the driver; both careful humans avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car drove \
+    "whether it counts against the driver; all careful drivers avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car drove \
      at 1 m/s or more, on whichever side the collision was, and was not walked into at the flank or rear after the front had passed; of a violation, whether both careful \
      humans satisfy the requirement from the start of the danger on and the pedestrian moved as people do",
 );

@@ -42,7 +42,7 @@ const AT_COLLISION: Column<bool> =
 const PREVENTABLE: Column<bool> = Column::new(
     "preventable",
     "",
-    "of a violation, whether both careful humans satisfy the requirement from the start of the danger on; missing where the requirement has no verdict",
+    "of a violation, whether all careful drivers satisfy the requirement from the start of the danger on; missing where the requirement has no verdict",
 );
 /// The table of failures: collisions and bumps of evaluations and violations in them, then what searches found.
 pub fn failure_table() -> Table<'static, Failure> {

@@ -16,7 +16,7 @@ pub const COUNTS: Column<bool> = Column::new("counts", "", "whether the episode 
 pub const NO_VERDICT: Column<String> =
     Column::new("no_verdict", "", "why its violations have no verdict; missing if they have");
 pub const IS_PREVENTABLE: Column<bool> =
-    Column::new("is_preventable", "", "whether both careful humans would not have violated it");
+    Column::new("is_preventable", "", "whether all careful drivers would not have violated it");
 pub const IS_FAULT: Column<bool> = Column::new("is_fault", "", "whether the violation counts against the driver");
 
 /// The metrics of a requirement: those of an episode are counts, those of violations rates of the episodes in which it applied.
@@ -46,7 +46,7 @@ pub const VIOLATIONS: Metric = Metric::count(
     || of(col(VIOLATED.name)),
 );
 pub const PREVENTABLE_VIOLATIONS: Metric =
-    Metric::count("preventable_violations", "number of these that both careful humans avoid", || {
+    Metric::count("preventable_violations", "number of these that all careful drivers avoid", || {
         of(col(IS_PREVENTABLE.name))
     });
 pub const FAULT_VIOLATIONS: Metric =

@@ -12,7 +12,7 @@ mod obstacles;
 pub mod polygon;
 
 pub use angle::wrap_angle;
-pub use obstacles::Obstacles;
+pub use obstacles::{Obstacles, half_width_of};
 pub use oriented_box::OrientedBox;
 pub use pose::Pose;
 pub use sweep::{Touch, first_touch, first_touch_of_boxes, time_to_touch};

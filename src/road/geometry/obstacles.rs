@@ -17,6 +17,9 @@ use super::{OrientedBox, Point, Vector};
 /// Slack of the search in world coordinates (m).
 const MARGIN: f64 = 0.05;
 
+/// Where the rays of a line of sight end, as shares of half the width of what is looked at.
+const RAYS: [f64; 5] = [0.0, -0.8, 0.8, -0.4, 0.4];
+
 /// The boxes of a town with an index over them, and those of the parked vehicles of an episode. A copy shares the former.
 #[derive(Clone)]
 pub struct Obstacles {
@@ -135,11 +138,30 @@ impl Obstacles {
         self.between(point - around, point + around).map(|(each, _)| each)
     }
 
-    /// Whether the middle or an edge of a disc of this radius (m) can be seen from a point.
-    pub fn shows(&self, from: Point, middle: Point, radius: f64) -> bool {
-        let sight = (middle - from).try_normalize(1e-9).unwrap_or_else(Vector::x);
-        let edge = Vector::new(-sight.y, sight.x) * radius;
-        [Vector::zeros(), edge, -edge].iter().any(|offset| !self.blocks_sight(from, middle + offset))
+    /// The share of a target that an eye sees: of five rays to points across it those that neither an obstacle nor one of these boxes blocks. It is the one line of
+    /// sight of drivers, sensors, signals and verdicts.
+    ///
+    /// Seen from above: whatever is in between hides, however low. The target is a middle and half its width as the eye sees it (m).
+    pub fn visible_share(&self, eye: Point, target: (Point, f64), others: impl Iterator<Item = OrientedBox> + Clone) -> f64 {
+        self.free_rays(eye, target, others).count() as f64 / RAYS.len() as f64
+    }
+
+    /// Whether an eye sees any of it.
+    pub fn shows(&self, eye: Point, target: (Point, f64), others: impl Iterator<Item = OrientedBox> + Clone) -> bool {
+        self.free_rays(eye, target, others).next().is_some()
+    }
+
+    fn free_rays(
+        &self,
+        eye: Point,
+        (middle, half_width): (Point, f64),
+        others: impl Iterator<Item = OrientedBox> + Clone,
+    ) -> impl Iterator<Item = Point> {
+        let across = across(eye, middle) * half_width;
+        let ends = RAYS.into_iter().map(move |share| middle + across * share);
+        ends.filter(move |end| {
+            !self.blocks_sight(eye, *end) && !others.clone().any(|other| other.is_crossed_by(eye, *end))
+        })
     }
 
     /// Writes for each ray from a point which share of it is free, from 0 to 1; 0 for all of them within a box.
@@ -162,7 +184,7 @@ impl Obstacles {
     }
 
     /// Whether a box stands between two points. A parked vehicle does not hide what is within it: itself.
-    pub fn blocks_sight(&self, from: Point, to: Point) -> bool {
+    fn blocks_sight(&self, from: Point, to: Point) -> bool {
         if self.is_empty() {
             return false;
         }
@@ -170,6 +192,19 @@ impl Obstacles {
         self.fixed_between(from.inf(&to), from.sup(&to)).any(|each| hides(each, from, to))
             || others.any(|each| hides(each, from, to) && each.0.distance_to(to) > 0.0)
     }
+}
+
+/// The unit vector across a line of sight.
+fn across(eye: Point, place: Point) -> Vector {
+    let line = (place - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
+    Vector::new(-line.y, line.x)
+}
+
+/// Half the width of a box as an eye sees it from afar (m).
+pub fn half_width_of(outline: &OrientedBox, eye: Point) -> f64 {
+    let across = across(eye, outline.pose.position());
+    let [forward, left] = outline.pose.axes();
+    outline.half.x * across.dot(&forward).abs() + outline.half.y * across.dot(&left).abs()
 }
 
 /// Whether a box stands between two points.

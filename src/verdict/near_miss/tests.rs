@@ -23,6 +23,7 @@ fn straight(car: (Pose, f64), walker: (Point, Vector), ticks: u32) -> Vec<Frame>
             },
             control: Default::default(),
             mode: Default::default(),
+            tick: tick as usize,
         }
     };
     (0..ticks).map(frame).collect()

@@ -4,7 +4,7 @@ use super::lane_follower::{Intent, LaneKeys};
 use super::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion, ReferenceDriver, Threat};
 use super::route_trace::RouteTrace;
 use super::{Actor, DrivingMode, Perception};
-use crate::sim::Control;
+use crate::sim::{ActorId, Control};
 use base::keys;
 
 keys! {
@@ -25,7 +25,7 @@ keys! {
 /// The careful human of the verdicts as a driver under test: UN R157's, at the gate of [`DelayedBrake`].
 ///
 /// It drives its lane, notices a pedestrian that is on course into it when the gate opens, brakes after its evaluation and its reaction, and goes on
-/// once no pedestrian is on course any more. Where the reference knows what the recorded car did next, it does not; so it notices a pedestrian
+/// once no pedestrian is on course or in its path. Somebody for whom it has braked is evaluated as long as it sees them: they may turn. Where the reference knows what the recorded car did next, it does not; so it notices a pedestrian
 /// within 0.2 m and 0.1 s of the gate, and for any push on the accelerator that it may want.
 ///
 /// # Source
@@ -35,6 +35,12 @@ pub struct CarefulHuman {
     brake: DelayedBrake,
     /// How far ahead of the bumper it sees a pedestrian (m).
     range: f64,
+    /// Time for which it evaluates a risk (s).
+    evaluation: f64,
+    /// The pedestrians that it notices now.
+    noticed: Vec<ActorId>,
+    /// Those for whom it has braked and whom it has seen ever since.
+    watched: Vec<ActorId>,
 }
 
 /// Time from the end of its evaluation until it begins to brake (s), and its full braking (m/s²): 0.774 g.
@@ -47,14 +53,15 @@ const EARLIER: f64 = 0.1;
 const STRAIGHT: [f64; 7] = [f64::INFINITY, 0.0, 3.0, 6.0, 10.0, 15.0, 22.0];
 /// The accelerations that it may want within the next two seconds (m/s²).
 const PUSHES: [f64; 5] = [0.0, 0.5, 1.0, 1.5, 2.0];
-/// At rest it waits for a pedestrian that is on course within this time (s).
+/// At rest it waits for a pedestrian that is on course or in its path, and that it would reach within this time (s).
 const MAX_TIME_TO_COLLISION: f64 = 5.0;
 
 impl CarefulHuman {
     pub fn new(keys: CarefulHumanKeys) -> Guarded<Self> {
         let wait = keys.evaluation + REACTION;
         let profile = BrakeProfile { wait, ramp: keys.ramp, full: FULL_BRAKING };
-        let human = Self { brake: DelayedBrake::new(Some(Gate::CAREFUL), profile), range: keys.range };
+        let brake = DelayedBrake::new(Some(Gate::CAREFUL), profile);
+        let human = Self { brake, range: keys.range, evaluation: keys.evaluation, noticed: Vec::new(), watched: Vec::new() };
         Guarded::new(human, keys.lane, keys.at_crosswalks)
     }
 
@@ -82,46 +89,60 @@ impl CarefulHuman {
         (gap.max(0.0) < self.range && gap > -2.0 * (ego.half.x + actor.reach.x)).then_some(threat)
     }
 
-    /// Whether it notices a pedestrian in this tick.
-    fn notices(&self, trace: &RouteTrace, perception: &Perception<'_>) -> bool {
+    /// Looks which pedestrians it notices in this tick.
+    fn look(&mut self, trace: &RouteTrace, perception: &Perception<'_>) {
+        let mut noticed = std::mem::take(&mut self.noticed);
+        noticed.clear();
         let length = 2.0 * perception.ego.half.x;
         let speed = perception.ego.speed();
         let wants_more = speed < perception.speed_limit;
         let owns = PUSHES.map(|push| if wants_more { push } else { 0.0 });
         let brake = perception.blueprint.greatest_deceleration();
         let owns = owns.map(|intended| OwnMotion { speed, acceleration: 0.0, intended, length, brake });
-        perception.pedestrians.iter().any(|actor| {
-            let seen = perception.in_sight_of_eye(actor);
+        let notices = |own: &OwnMotion, threat: &Threat| {
+            let is_awaited = own.stands()
+                && threat.time_to_collision(own) <= MAX_TIME_TO_COLLISION
+                && (threat.aside() <= 0.0 || threat.is_on_course(own));
+            is_awaited || self.brake.notices(own, threat)
+        };
+        let is_noticed = |actor: &&Actor| {
             let times = || [0.0, perception.dt, EARLIER].into_iter();
             let views = STRAIGHT.into_iter().flat_map(|straight| times().map(move |after| (straight, after)));
             let mut threats =
                 views.filter_map(|(straight, after)| self.threat((trace, perception), actor, straight, after));
-            seen && threats.any(|threat| {
-                owns.iter().any(|own| {
-                    let near = own.stands()
-                        && threat.time_to_collision(own) <= MAX_TIME_TO_COLLISION
-                        && threat.is_on_course(own);
-                    near || self.brake.notices(own, &threat)
-                })
-            })
-        })
+            threats.any(|threat| owns.iter().any(|own| notices(own, &threat)))
+        };
+        let seen = perception.pedestrians.iter().filter(|actor| perception.in_sight(actor));
+        noticed.extend(seen.filter(is_noticed).map(|actor| actor.id));
+        self.noticed = noticed;
     }
 }
 
 impl LaneGuard for CarefulHuman {
     fn reset(&mut self) {
         self.brake.begin();
+        self.watched.clear();
     }
 
     fn drive(&mut self, intent: &Intent, trace: &RouteTrace, perception: &Perception<'_>) -> (Control, DrivingMode) {
         let stands = perception.ego.speed() <= OwnMotion::STANDING;
-        let notices = self.notices(trace, perception);
-        if stands && !notices {
+        let is_seen = |id: &ActorId| {
+            perception.pedestrians.iter().any(|actor| actor.id == *id && perception.in_sight(actor))
+        };
+        self.watched.retain(is_seen);
+        self.look(trace, perception);
+        if stands && self.noticed.is_empty() {
             self.brake.begin();
         }
-        let Some(braking) = self.brake.next(notices, stands, perception.dt) else {
+        if self.noticed.iter().any(|id| self.watched.contains(id)) {
+            self.brake.skip(self.evaluation);
+        }
+        let Some(braking) = self.brake.next(!self.noticed.is_empty(), stands, perception.dt) else {
             return (intent.control(intent.acceleration, perception), intent.mode);
         };
+        self.watched.extend_from_slice(&self.noticed);
+        self.watched.sort_unstable();
+        self.watched.dedup();
         let control = match stands {
             true => Control { steer: intent.steer, ..Control::FULL_BRAKE },
             false => intent.control(intent.acceleration.min(-braking), perception),

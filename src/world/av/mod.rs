@@ -43,7 +43,7 @@ pub use lane_keeping::cruising_speed;
 pub use native::{Native, NativeKeys};
 pub use oracle_brake::OracleBrake;
 pub use path::Path;
-pub use perception::{Actor, EYE, Light, Perception, PerfectSensors};
+pub use perception::{Actor, Light, Perception, PerfectSensors};
 pub use predictive::Predictive;
 pub use rss_guarded::RssGuarded;
 pub use weakness::Weakness;

@@ -3,7 +3,7 @@ use super::guarded::{Guarded, LaneGuard};
 use super::lane_follower::{Intent, LaneKeys};
 use super::route_trace::{RouteTrace, distance_to_box};
 use super::{Actor, DrivingMode, Perception};
-use crate::sim::Control;
+use crate::sim::{Control, advance};
 use base::{choice, keys};
 
 choice! {
@@ -71,10 +71,8 @@ impl OracleBrake {
         for tick in 0.. {
             let braking = || perception.blueprint.acceleration(Control::FULL_BRAKE, speed);
             let gain = if tick < ticks { acceleration } else { braking() };
-            // The world moves the car with the speed at the start of the tick.
-            along += speed * dt;
-            time += dt;
-            speed = (speed + gain * dt).max(0.0);
+            let (way, after) = advance(speed, gain, dt);
+            (along, speed, time) = (along + way, after, time + dt);
             let Some((middle, ahead)) = trace.at(along) else { return false };
             let (then, grown) =
                 if self.any_motion { (place, size + RUNNING * time) } else { (place + velocity * time, size) };

@@ -1,9 +1,6 @@
-use crate::sim::{ActorId, Control, LightColour, Vehicle, VehicleBlueprint, World};
-use road::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use crate::sim::{ActorId, Control, EYE, LightColour, Vehicle, VehicleBlueprint, World};
+use road::geometry::{Obstacles, OrientedBox, Point, Pose, Vector, half_width_of};
 use road::{LaneFilter, Place, Town, Waypoint};
-
-/// From the bumper back to the driver's eye, which is on the axis (m).
-pub const EYE: f64 = 1.9;
 
 /// Another road user, or the ego itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +42,15 @@ impl Actor {
     /// Speed (m/s).
     pub fn speed(&self) -> f64 {
         self.velocity.norm()
+    }
+
+    /// What an eye looks at: its middle, and half its width as that eye sees it (m).
+    pub fn target(&self, eye: Point) -> (Point, f64) {
+        let half_width = match self.id {
+            ActorId::Pedestrian(_) => self.half.x.max(self.half.y),
+            ActorId::Vehicle(_) => half_width_of(&self.outline(), eye),
+        };
+        (self.pose.position(), half_width)
     }
 }
 
@@ -119,17 +125,18 @@ impl Perception<'_> {
         self.signed_limit.unwrap_or(self.speed_limit)
     }
 
-    /// Whether the line between the middles of the ego and of an actor is free.
+    /// Whether any of an actor can be seen from the driver's eye, as the verdict asks. Obstacles and other actors hide it.
     ///
     /// CARLA's driver does not check it: it reads the world's list of actors.
     pub fn in_sight(&self, actor: &Actor) -> bool {
-        !self.obstacles.blocks_sight(self.ego.pose.position(), actor.pose.position())
+        let eye = self.ego.pose.to_world(Vector::new(self.ego.half.x - EYE, 0.0));
+        self.obstacles.shows(eye, actor.target(eye), self.outlines_but(actor))
     }
 
-    /// Whether the middle or an edge of an actor can be seen from the driver's eye, as the verdict asks.
-    pub fn in_sight_of_eye(&self, actor: &Actor) -> bool {
-        let eye = self.ego.pose.to_world(Vector::new(self.ego.half.x - EYE, 0.0));
-        self.obstacles.shows(eye, actor.pose.position(), actor.half.x.max(actor.half.y))
+    /// The boxes of all others but one.
+    pub(super) fn outlines_but(&self, actor: &Actor) -> impl Iterator<Item = OrientedBox> + Clone {
+        let (id, all) = (actor.id, self.pedestrians.iter().chain(self.vehicles));
+        all.filter(move |other| other.id != id).map(Actor::outline)
     }
 
     /// The pedals for an acceleration (m/s²), and the full brake for a car at rest that should not move.

@@ -64,6 +64,11 @@ impl Vehicle {
         Self { blueprint, state, speed_limit: FIRST_LIMIT, is_present: true, is_parked: false, before: state }
     }
 
+    /// Its greatest speed in the last tick (m/s).
+    pub(super) fn fastest(&self) -> f64 {
+        self.before.speed.max(self.state.speed)
+    }
+
     /// Whether a driver moves it.
     pub fn is_driven(&self) -> bool {
         self.is_present && !self.is_parked

@@ -42,7 +42,7 @@ impl Contact {
     pub(super) fn is_pedestrian_near(vehicle: &Vehicle, pedestrian: &Pedestrian, dt: f64) -> bool {
         let (blueprint, body) = (&vehicle.blueprint, &pedestrian.body);
         let reach = blueprint.half_length + blueprint.half_width + body.reach() + 2.0;
-        let moved = (vehicle.before.speed + pedestrian.before.speed() + pedestrian.state.speed()) * dt;
+        let moved = (vehicle.fastest() + pedestrian.before.speed() + pedestrian.state.speed()) * dt;
         let apart = (pedestrian.state.pose.position() - vehicle.state.pose.position()).norm_squared();
         apart <= (reach + moved) * (reach + moved) && (pedestrian.state.ground - vehicle.state.ground).abs() < LEVEL
     }
@@ -73,7 +73,7 @@ impl Contact {
     #[inline]
     pub(super) fn is_vehicle_near(first: &Vehicle, second: &Vehicle, dt: f64) -> bool {
         let radius = |vehicle: &Vehicle| vehicle.blueprint.half_length + vehicle.blueprint.half_width;
-        let reach = radius(first) + radius(second) + (first.before.speed + second.before.speed) * dt;
+        let reach = radius(first) + radius(second) + (first.fastest() + second.fastest()) * dt;
         let apart = (second.state.pose.position() - first.state.pose.position()).norm_squared();
         apart <= reach * reach && (second.state.ground - first.state.ground).abs() < LEVEL
     }

@@ -18,5 +18,5 @@ pub use contact::Contact;
 pub use pedestrian::{Gait, PedestrianBody, PedestrianState, WalkCommand};
 pub use start::{ActorStart, Start};
 pub use traffic_light::{LightClock, LightColour, LightCycle};
-pub use vehicle::{Control, VehicleState};
+pub use vehicle::{Control, EYE, VehicleState, advance};
 pub use world::{World, time_of};

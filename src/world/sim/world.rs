@@ -4,8 +4,8 @@ use super::{
     ActorId, ActorStart, Contact, Control, LightClock, LightCycle, Pedestrian, PedestrianBody, Start, Vehicle,
     VehicleBlueprint, VehicleState, WalkCommand,
 };
-use road::geometry::Obstacles;
-use road::{LaneFilter, Town};
+use road::geometry::{Obstacles, OrientedBox, Point, half_width_of};
+use road::{LaneFilter, Place, Town};
 
 /// A town with vehicles and pedestrians in it. Vehicle 0 is the ego, the car under test.
 ///
@@ -95,6 +95,39 @@ impl World {
     /// Whether a vehicle and a pedestrian are on one level. Otherwise they neither meet nor see each other.
     pub fn is_on_level(&self, vehicle: usize, pedestrian: usize) -> bool {
         self.town.is_on_level(self.vehicles[vehicle].state.place(), self.pedestrians[pedestrian].state.place())
+    }
+
+    /// Whether one actor sees any of another: a driver from its eye, a pedestrian from its middle. Obstacles and other actors hide it. An actor that is not in the
+    /// world, or is on another level, is not seen.
+    pub fn sees(&self, from: ActorId, of: ActorId) -> bool {
+        let (Some((here, eye, _)), Some((there, _, outline))) = (self.seen(from), self.seen(of)) else { return false };
+        let half_width = match of {
+            ActorId::Pedestrian(number) => self.pedestrians[usize::from(number)].body.radius,
+            ActorId::Vehicle(_) => half_width_of(&outline, eye),
+        };
+        let others = self.actors().filter(|id| ![from, of].contains(id)).filter_map(|id| Some(self.seen(id)?.2));
+        self.town.is_on_level(here, there) && self.obstacles.shows(eye, (outline.pose.position(), half_width), others)
+    }
+
+    /// All actors, also those that are not in the world.
+    fn actors(&self) -> impl Iterator<Item = ActorId> + Clone + use<> {
+        let (vehicles, pedestrians) = (self.vehicles.len() as u8, self.pedestrians.len() as u8);
+        (0..vehicles).map(ActorId::Vehicle).chain((0..pedestrians).map(ActorId::Pedestrian))
+    }
+
+    /// The place, the eye and the box of an actor; `None` if it is not in the world.
+    fn seen(&self, id: ActorId) -> Option<(Place, Point, OrientedBox)> {
+        match id {
+            ActorId::Vehicle(number) => {
+                let Vehicle { state, blueprint, is_present, .. } = &self.vehicles[usize::from(number)];
+                is_present.then(|| (state.place(), state.eye(blueprint), state.outline(blueprint)))
+            }
+            ActorId::Pedestrian(number) => {
+                let Pedestrian { state, body, is_present, .. } = &self.pedestrians[usize::from(number)];
+                let place = state.place();
+                is_present.then(|| (place, place.point, OrientedBox { pose: state.pose, half: body.half() }))
+            }
+        }
     }
 
     /// Lets a vehicle appear at a start, in an episode that runs.

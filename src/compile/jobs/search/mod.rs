@@ -81,7 +81,7 @@ impl Search {
     /// The seed of what is its own: what its falsifier draws, and the tries of its controller.
     pub fn own(&self, seed: &Seed) -> Seed {
         let key = &self.key;
-        seed.child("falsifier").child(&key.town).child(&key.policy).child(&key.falsifier).index(key.run.into())
+        seed.child("falsifier").child(&key.town).child(&key.falsifier).index(key.run.into())
     }
 }
 

@@ -5,6 +5,7 @@ use base::choice;
 use base::signature::Formula;
 use road::geometry::{Obstacles, Point, Pose};
 use road::{LEVEL, LaneFilter, LaneKind, Place, Town, Waypoint};
+use world::sim::PedestrianBody;
 
 use super::Spawn;
 
@@ -51,7 +52,7 @@ pub enum Constraint {
     Clearance(f64),
     /// The pedestrian stands on one of these grounds.
     Ground(Vec<Ground>),
-    /// Whether the pedestrian can be seen from the middle of the ego.
+    /// Whether any of an adult in the pedestrian's place can be seen from the middle of the ego.
     Sight(bool),
     /// A formula over the variables of `begin`, with its text.
     Require {
@@ -69,7 +70,10 @@ impl Constraint {
         match self {
             Self::Clearance(least) => obstacles.clearance(place, *least) >= *least,
             Self::Ground(grounds) => grounds.contains(&Ground::at(town, stand(spawn, town))),
-            Self::Sight(seen) => obstacles.blocks_sight(spawn.ego.position(), place) != *seen,
+            Self::Sight(seen) => {
+                let target = (place, PedestrianBody::adult().radius);
+                obstacles.shows(spawn.ego.position(), target, std::iter::empty()) == *seen
+            }
             Self::Require { condition, .. } => {
                 Situation::at_start(&spawn.ego, spawn.ego_speed, &spawn.pedestrian).satisfies(condition)
             }

@@ -185,13 +185,13 @@ impl TargetWalk {
         Pose::new(place.x, place.y, self.meeting.yaw)
     }
 
-    /// Whether the target can be seen from this car in a case, both at their starts.
+    /// Whether the middle of the target can be seen from this car in a case, both at their starts.
     pub fn is_in_sight(&self, obstacles: &Obstacles, car: &VehicleBlueprint) -> bool {
         let is_seen = |number: u64, case: &TestCase| {
             let pose = self.car(case, car.half_length);
             let state = VehicleState { pose, speed: case.test_speed, ..VehicleState::default() };
             let target = self.release(number, 1.0, &state, car, self.command(), 1e-3).start;
-            !obstacles.blocks_sight(pose.position(), target.position())
+            obstacles.shows(state.eye(car), (target.position(), 0.0), std::iter::empty())
         };
         (0..).zip(&self.cases).any(|(number, case)| is_seen(number, case))
     }

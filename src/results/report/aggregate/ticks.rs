@@ -88,7 +88,7 @@ pub fn tick_table<'a>() -> Table<'a, Tick<'a>> {
             Column::<bool>::new(
                 "in_sight",
                 "",
-                "whether the middle or an edge of the pedestrian could be seen from the driver's eye, 1.9 m behind the bumper",
+                "whether any of the pedestrian could be seen from the driver's eye, 1.9 m behind the bumper",
             )
             .of(|row: &Tick<'_>| row.pair.in_sight(&row.frame)),
         )

@@ -8,7 +8,7 @@ use episode::requirement::NamedRequirement;
 use episode::{EgoSpeed, Scenario};
 
 /// Who the careful human of a fault is.
-const HUMAN: &str = "Two careful humans in place of the driver, one of them 0.4 s faster, both avoid a fault with 0.1 m to spare from the instant at which the danger begins. \
+const HUMAN: &str = "Careful drivers in place of the driver avoid a fault, two careful humans, one of them 0.4 s faster, and the Fuzzy Safety Model, the humans with 0.1 m to spare, from the instant at which the danger begins. \
      The careful human has the times and the brake of UN Regulation 157, annex 3, behind an on-course gate after the FSM of the same annex: 0.4 s to evaluate the risk, 0.75 s to react, 0.6 s to full braking, and no harder than this car can brake. \
      The regulation was read in transcriptions and covers roads that are closed to pedestrians, so this use is an extrapolation; the gate that begins the \
      evaluation is `esmini`'s for pedestrians, with 0.5 m and 0.1 s of our choice.";

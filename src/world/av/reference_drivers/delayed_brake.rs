@@ -93,6 +93,11 @@ impl DelayedBrake {
         (time + dt > self.profile.wait).then(|| self.profile.reached(time + dt))
     }
 
+    /// A notice is at least `time` (s) old: that part of the wait is over.
+    pub fn skip(&mut self, time: f64) {
+        self.clock = Some(self.clock.unwrap_or(0.0).max(time));
+    }
+
     /// The same driver, `time` (s) after it has noticed a pedestrian.
     #[must_use]
     pub fn having_noticed(self, time: f64) -> Self {

@@ -9,7 +9,7 @@
 //! | step | what | in |
 //! |---|---|---|
 //! | field | is it in the window and in a sector? | [`SensorModel::covers`] |
-//! | sight | which share of it do rays from the eye reach? | [`visible_share`] |
+//! | sight | which share of it do rays from the eye reach? | [`visible_share`](road::geometry::Obstacles::visible_share) |
 //! | luck | is it missed this time? taken for a vehicle? | [`Luck`], [`SensorModel::miss_rate`] |
 //! | measurement | where does it seem to be, how fast, how large? | [`Drift`] |
 //! | memory | if it was not found: is it still remembered? | `Track` |
@@ -19,7 +19,6 @@
 //! policy's draws nor those of another purpose therefore change with a setting.
 
 mod chance;
-mod sight;
 mod model;
 mod track;
 mod ghost;
@@ -27,5 +26,4 @@ mod wrapper;
 
 pub use chance::{Drift, Luck};
 pub use model::{ConfusedAs, Prediction, Seam, Sector, SensorKeys, SensorModel};
-pub use sight::visible_share;
 pub use wrapper::SensorWrapper;

@@ -1,7 +1,6 @@
 use std::sync::Arc;
 
 use super::ghost::Ghost;
-use super::sight::{half_width_of, visible_share};
 use super::track::{Belief, Kind, Track, moved};
 use super::{ConfusedAs, Prediction, SensorModel};
 use crate::av::{Actor, DrivingMode, DrivingPolicy, Fault, Perception};
@@ -85,7 +84,7 @@ impl SensorWrapper {
             if !first {
                 track.advance(model, dt);
             }
-            track.update(model, kind, actor, miss_rate(model, perception, kind, actor))
+            track.update(model, kind, actor, miss_rate(model, perception, actor))
         };
         for actor in people {
             let track = track_of(&mut self.people, actor.id, || seed.child("pedestrian"));
@@ -110,18 +109,12 @@ impl SensorWrapper {
 }
 
 /// The present rate at which an actor is missed; `None` if it is outside the field or hidden.
-fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor: &Actor) -> Option<f64> {
+fn miss_rate(model: &SensorModel, perception: &Perception<'_>, actor: &Actor) -> Option<f64> {
     let ego = &perception.ego.pose;
     let (distance, seam) = model.covers(ego, actor.pose.position())?;
     let visible = if model.looks() {
         let eye = model.eye(ego);
-        let half_width = match kind {
-            Kind::Pedestrian => actor.half.x,
-            Kind::Vehicle => half_width_of(&actor.outline(), eye),
-        };
-        let all = perception.pedestrians.iter().chain(perception.vehicles);
-        let others = all.filter(|other| other.id != actor.id);
-        visible_share(eye, actor, half_width, perception.obstacles, others)
+        perception.obstacles.visible_share(eye, actor.target(eye), perception.outlines_but(actor))
     } else {
         1.0
     };

@@ -148,12 +148,12 @@ fn violations<'a>(
 /// Whose fault a violation is: a clause without an end.
 fn blame(named: &NamedRequirement, verdict: Option<ViolationVerdict>) -> String {
     match verdict {
-        Some(ViolationVerdict { fault: true, .. }) => "a fault: both careful humans satisfy it".into(),
+        Some(ViolationVerdict { fault: true, .. }) => "a fault: all careful drivers satisfy it".into(),
         Some(ViolationVerdict { preventable: true, foreseeable: false, .. }) => {
-            "preventable, since both careful humans satisfy it; the pedestrian did not move as people do".into()
+            "preventable, since all careful drivers satisfy it; the pedestrian did not move as people do".into()
         }
         Some(ViolationVerdict { preventable: true, .. }) => {
-            "preventable, since both careful humans satisfy it; the collision that decides is not a fault".into()
+            "preventable, since all careful drivers satisfy it; the collision that decides is not a fault".into()
         }
         Some(_) => "not preventable: a careful human violates it as well".into(),
         None => match NoVerdict::of(&named.requirement) {

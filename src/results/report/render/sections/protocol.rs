@@ -20,7 +20,7 @@ const LEGEND: [&str; 2] = [
 /// Why colours, passes and verdicts differ.
 const JUDGES: &str = "*Passed* counts the cells that get points: green has all of them, brown still a quarter, red none. \
      So a driver can pass a cell with a collision. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
-     careful humans would have avoided the collision. So a red cell can be *contested*: some reference drivers avoid it and some do not.";
+     careful drivers would have avoided the collision. So a red cell can be *contested*: some reference drivers avoid it and some do not.";
 /// What a test does not say.
 const LIMITS: &str = "**This is not a rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
      the car's sensors unless the scenario gives them, warnings to a driver, tyres and brakes beyond the car's blueprint, repeated runs and \

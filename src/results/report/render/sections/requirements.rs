@@ -56,7 +56,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let refused =
         names.iter().filter_map(|(name, why)| Some(format!("`{name}` has no verdict: {}.", (*why)?.reason())));
     let notes = [
-        "A requirement *never applied* where nothing that stands before its `implies` ever held, as at a crosswalk in a town without one. Violations are of the episodes in which it applied, with Wilson's 95 % interval, and beside them those that are *faults*: both careful humans, who take over at the start of the \
+        "A requirement *never applied* where nothing that stands before its `implies` ever held, as at a crosswalk in a town without one. Violations are of the episodes in which it applied, with Wilson's 95 % interval, and beside them those that are *faults*: all careful drivers, who take over at the start of the \
          danger, satisfy the requirement, and the pedestrian moved as people do."
             .into(),
     ];
