@@ -9,7 +9,7 @@ use compile::SearchKey;
 use episode::Impact;
 use episode::requirement::{Degree, NamedRequirement};
 use verdict::cause::{part_of, unit_of};
-use verdict::{Class, Label, NoVerdict, Sight, ViolationVerdict};
+use verdict::{Class, Label, NoVerdict, RestsOn, Sight, ViolationVerdict};
 use world::av::DrivingMode;
 use world::sim::WalkCommand;
 
@@ -91,6 +91,8 @@ pub struct Failure {
     pub impact: Option<Impact>,
     /// Why its touch is a fault or none; `None` without a verdict.
     pub counts_as: Option<Class>,
+    /// On what it rests that it is preventable; `None` unless it is.
+    pub rests_on: Option<RestsOn>,
     /// The longest reaction time with which a driver avoids it (s).
     pub latest_reaction: Option<f64>,
     /// Time in sight before the touch (s).
@@ -171,6 +173,7 @@ impl Failure {
             foreseeable: table.is_foreseeable(row),
             fault: table.is_fault(row),
             counts_as: table.counts_as(row),
+            rests_on: table.rests_on(row),
             latest_reaction: table.latest_reaction(row),
             in_sight: table.in_sight(row),
             on_crosswalk: table.on_crosswalk(row),
@@ -312,6 +315,7 @@ impl From<&SearchFailure<'_>> for Failure {
             fault: blame.is_some_and(|(_, fault)| fault),
             impact: Impact::of(outcome),
             counts_as: verdict.map(|verdict| verdict.class()),
+            rests_on: struck.and_then(|verdict| verdict.rests_on),
             latest_reaction: struck.and_then(|verdict| verdict.latest_reaction),
             in_sight: verdict.map(|verdict| verdict.sight.seen),
             on_crosswalk: outcome.is_touch().then_some(outcome.on_crosswalk),

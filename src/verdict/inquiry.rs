@@ -4,7 +4,9 @@ use super::follower::{Braked, Follower, others};
 use super::reaction::{MAX_REACTION, share_of_drivers};
 use super::reference::Model;
 use super::trial::{FreeRun, Notice};
-use super::{Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, Sight, Trial, Verdict, contact_side};
+use super::{
+    Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, RestsOn, Sight, Trial, Verdict, contact_side,
+};
 use episode::Pair;
 use world::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion};
 use world::sim::Contact;
@@ -155,6 +157,24 @@ impl<'a> Inquiry<'a> {
         Some(low)
     }
 
+    /// On what of the gate it rests that the touch is preventable: what, left out alone, lets one of the careful humans touch. `None` unless it is.
+    fn rests_on(&mut self) -> Option<RestsOn> {
+        let avoid = |inquiry: &mut Self, gate| {
+            let profiles = Label::humans().map(|human| BrakeProfile::careful_human(human.reaction()));
+            profiles.into_iter().all(|profile| inquiry.braked(DelayedBrake::new(Some(gate), profile)).is_avoided())
+        };
+        self.is_preventable().then(|| {
+            let in_path = avoid(self, Gate { in_path: true, ..Gate::CAREFUL });
+            let late = avoid(self, Gate { in_time: false, ..Gate::CAREFUL });
+            match (in_path, late) {
+                (false, true) => RestsOn::Anticipation,
+                (true, false) => RestsOn::EarlyGate,
+                (false, false) => RestsOn::Both,
+                (true, true) => RestsOn::Neither,
+            }
+        })
+    }
+
     /// What the touch counts as.
     pub fn class(&mut self) -> Class {
         let motion = PedestrianMotion::new(&self.pair);
@@ -228,6 +248,7 @@ impl<'a> Inquiry<'a> {
             sight: Sight::new(&self.pair),
             impact_speed: self.contact.impact_speed,
             latest_reaction: self.latest_reaction(),
+            rests_on: self.rests_on(),
             follower: self.follower(),
             trials: Reference::ALL.map(|reference| self.trial(reference)),
         }

@@ -84,5 +84,5 @@ pub use severity::severe_injury_risk;
 pub use sight::Sight;
 pub use traffic::{Drive, Traffic, drives, natural_traffic};
 pub use trial::Trial;
-pub use verdict::{Label, Verdict};
+pub use verdict::{Label, RestsOn, Verdict};
 pub use violation::{NoVerdict, ViolationVerdict};

@@ -30,6 +30,21 @@ choice! {
     }
 }
 
+choice! {
+    /// On what of our gate it rests that a collision is preventable: the regulation's human perceives cut-ins, within 2 s.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+    pub enum RestsOn {
+        /// The humans brake for somebody who is not yet in the path.
+        Anticipation = "anticipation",
+        /// They brake more than 2 s before.
+        EarlyGate = "early_gate",
+        /// Without either of the two a human does not avoid it.
+        Both = "both",
+        /// The humans avoid it without either.
+        Neither = "neither",
+    }
+}
+
 impl Label {
     /// The word for a failure with this label in lists, pictures and exported files. A *fault* is named as such.
     pub fn word(self, is_fault: bool) -> &'static str {
@@ -89,6 +104,8 @@ pub struct Verdict {
     pub impact_speed: f64,
     /// The longest reaction time with which a careful driver avoids it (s): [`Inquiry::latest_reaction`](super::Inquiry::latest_reaction).
     pub latest_reaction: Option<f64>,
+    /// On what it rests; `None` unless it is preventable.
+    pub rests_on: Option<RestsOn>,
     /// The car that follows, if careful humans avoid the collision; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follower: Option<Follower>,

@@ -327,6 +327,7 @@ fn the_models_of_the_reference_folder_answer_as_their_authors_code() {
     let length = number(&car["length_m"]);
     let folder = tempfile::tempdir().unwrap();
     let (mut asked, mut preventable, mut other) = (0, 0, Vec::new());
+    let mut resting = std::collections::BTreeMap::<String, u32>::new();
     for each in file["encounters"].as_array().unwrap().iter().filter(|each| each.get("visible_s").is_none()) {
         let (speed, arrival) = (number(&each["car_speed"]), number(&each["arrival_s"]));
         let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
@@ -342,11 +343,12 @@ fn the_models_of_the_reference_folder_answer_as_their_authors_code() {
         let (ours, theirs) = (found["avoided_by"]["fsm"] == true, each["answers"]["jrc_fsm"][0] == 0);
         asked += 1;
         preventable += u32::from(found["verdict"] == "preventable");
+        *resting.entry(found["rests_on"].to_string()).or_default() += 1;
         assert!(found["verdict"] != "preventable" || theirs, "{}: {found}", each["id"]);
         if ours != theirs {
             other.push(each["id"].to_string());
         }
     }
-    println!("{asked} encounters, {preventable} preventable; the outcome is another in {other:?}");
+    println!("{asked} encounters, {preventable} preventable {resting:?}; the outcome is another in {other:?}");
     assert!(asked > 150 && preventable > 100 && other.len() * 50 <= asked, "{asked}, {preventable}, {other:?}");
 }

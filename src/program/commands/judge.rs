@@ -10,7 +10,7 @@ use crate::session::{Error, Input, Session};
 use episode::Scenario;
 use lang::reason;
 use results::report;
-use verdict::{Encountered, Recording, RecordingFileError, Reference, Sizes, Verdict};
+use verdict::{Encountered, Recording, RecordingFileError, Reference, RestsOn, Sizes, Verdict};
 use world::sim::VehicleBlueprint;
 
 /// Shown after the help.
@@ -184,6 +184,7 @@ fn as_json(found: &Encountered, car: &VehicleBlueprint) -> serde_json::Value {
         "foreseeable": verdict.map(|verdict| verdict.foreseeable),
         "fault": verdict.map(Verdict::is_fault),
         "warning_s": verdict.map(|verdict| verdict.warning),
+        "rests_on": verdict.and_then(|verdict| verdict.rests_on).map(RestsOn::name),
         "avoided_by": avoided,
         "least_gap_m": found.least_gap,
         "ends_before_s": found.ends_before,

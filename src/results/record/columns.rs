@@ -167,6 +167,12 @@ pub const LATEST_REACTION: Column<f64> = Column::new(
     "longest reaction time, counted from the gate, with which a driver who brakes like `cc` avoids the collision, 5 s at most; missing when \
      it collides even without any, and for a bump",
 );
+pub const RESTS_ON: Column<String> = Column::new(
+    "rests_on",
+    "",
+    "on what of the humans' gate it rests that a collision is preventable: `anticipation` (they brake for somebody not yet in the path), `early_gate` (more than 2 s \
+     before), `both` or `neither`; missing unless it is",
+);
 pub const PREVENTABLE_PROBABILITY: Column<f64> =
     Column::new("preventable_probability", "", "share of drivers who react within that time").with_role(Role::Share);
 pub const AVOIDS: Family<bool> =

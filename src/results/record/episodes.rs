@@ -3,13 +3,13 @@ use polars::prelude::{Column as Values, DataFrame};
 use super::columns::{
     AVOIDABLE_INJURY, AVOIDS, BLOCK, BODY, COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
     EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT, IMPACT_SPEED,
-    IN_SIGHT, LATEST_REACTION, LEFT_LANE, LEFT_OUT, LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN,
+    IN_SIGHT, LATEST_REACTION, LEFT_LANE, LEFT_OUT, LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN, RESTS_ON,
     PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, START,
     STATE_HASHES, TICKS, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, VERDICT, WALKED_INTO, WORLD,
 };
 use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference};
 use episode::{Ending, Impact, LeftOut, Outcome};
-use verdict::{LaneDeparture, NearMiss, Reference, Verdict};
+use verdict::{LaneDeparture, NearMiss, Reference, RestsOn, Verdict};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -111,6 +111,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(COUNTS_AS.of(move |row| verdict(row).map(|verdict| verdict.class().name())))
         .column(AVOIDABLE_INJURY.of(|row| struck(row).map(|verdict| verdict.avoidable_injury())))
         .column(LATEST_REACTION.of(|row| struck(row).and_then(|verdict| verdict.latest_reaction)))
+        .column(RESTS_ON.of(|row| struck(row).and_then(|verdict| verdict.rests_on).map(RestsOn::name)))
         .column(PREVENTABLE_PROBABILITY.of(|row| struck(row).map(|verdict| verdict.preventable_probability())))
         .column(WALKED_INTO.of(|row| struck(row).map(|verdict| verdict.walked_into)))
         .column(IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)))

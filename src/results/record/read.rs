@@ -5,14 +5,14 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 use super::columns::{
     AVOIDS, BLOCK, BODY, COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT, IMPACT_SPEED, IN_SIGHT,
-    LATEST_REACTION, LEFT_OUT, ON_CROSSWALK, OUTCOME, PEDESTRIAN, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, REWARD,
+    LATEST_REACTION, LEFT_OUT, ON_CROSSWALK, OUTCOME, PEDESTRIAN, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, RESTS_ON, REWARD,
     RUN, RUN_ID, STATE_HASHES, TICKS, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
 };
 use super::episodes::named;
 use super::{CellKey, Family, RunKey};
 use episode::{Impact, LeftOut, Spawn};
 use road::geometry::Pose;
-use verdict::{Class, Label, Reference};
+use verdict::{Class, Label, Reference, RestsOn};
 use world::av::DrivingMode;
 
 impl CellKey {
@@ -101,6 +101,7 @@ episode_table! {
     verdict: StringChunked = VERDICT,
     foreseeable: BooleanChunked = FORESEEABLE,
     counts_as: StringChunked = COUNTS_AS,
+    rests_on: StringChunked = RESTS_ON,
     latest_reaction: Float64Chunked = LATEST_REACTION,
     in_sight: Float64Chunked = IN_SIGHT,
 }
@@ -177,6 +178,11 @@ impl<'a> EpisodeTable<'a> {
     /// Why a touch counts against the driver, or not.
     pub fn counts_as(&self, row: usize) -> Option<Class> {
         Class::named(self.counts_as?.get(row)?)
+    }
+
+    /// On what it rests that a collision is preventable.
+    pub fn rests_on(&self, row: usize) -> Option<RestsOn> {
+        RestsOn::named(self.rests_on?.get(row)?)
     }
 
     /// The longest reaction time that avoids a collision (s).

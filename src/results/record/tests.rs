@@ -54,6 +54,7 @@ pub(crate) fn row(episode: u32, ending: Ending) -> EpisodeRow {
                 side: ContactSide::Side,
                 walked_into: true,
                 latest_reaction: Some(0.9),
+                rests_on: None,
                 follower: None,
                 warning: 2.0,
                 foreseeable: true,

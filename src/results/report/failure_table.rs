@@ -9,7 +9,7 @@ use super::aggregate::{INSTANT, PART, ROBUSTNESS, ROBUSTNESS_UNIT};
 use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{
     COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
-    LATEST_REACTION, NUMBER, ON_CROSSWALK, PEDESTRIAN, REWARD, RUN_ID, STATE_HASHES, TOWN, TRAIN_DRIVER, TRAIN_TOWN,
+    LATEST_REACTION, NUMBER, ON_CROSSWALK, PEDESTRIAN, RESTS_ON, REWARD, RUN_ID, STATE_HASHES, TOWN, TRAIN_DRIVER, TRAIN_TOWN,
     VERDICT, WORLD,
 };
 use crate::record::{Column, Entry, RunKey, Signed, Table};
@@ -17,7 +17,7 @@ use crate::tables::REQUIREMENT;
 use compile::{NoRunId, RunId};
 use episode::Impact;
 use verdict::cause::{Around, Cause};
-use verdict::{Class, Label};
+use verdict::{Class, Label, RestsOn};
 use world::av::DrivingMode;
 use world::sim::WalkCommand;
 
@@ -71,6 +71,7 @@ fn what_happened<'t, R: 't>(failure: impl Fn(&R) -> &Failure + Copy + 't) -> Vec
         FORESEEABLE.of(move |row| (has_verdict(row) && !failure(row).is_bump()).then_some(failure(row).foreseeable)),
         FAULT.of(move |row| has_verdict(row).then_some(failure(row).fault)),
         COUNTS_AS.of(move |row| failure(row).counts_as.map(Class::name)),
+        RESTS_ON.of(move |row| failure(row).rests_on.map(RestsOn::name)),
         LATEST_REACTION.of(move |row| failure(row).latest_reaction),
         IN_SIGHT.of(move |row| failure(row).in_sight),
         IMPACT.of(move |row| failure(row).impact.map(Impact::name)),
@@ -158,6 +159,7 @@ impl Row<'_> {
             foreseeable: self.holds(&FORESEEABLE)?,
             fault: self.holds(&FAULT)?,
             counts_as: Class::named(&self.text(&COUNTS_AS)?),
+            rests_on: RestsOn::named(&self.text(&RESTS_ON)?),
             latest_reaction: LATEST_REACTION.value(table, row)?,
             in_sight: IN_SIGHT.value(table, row)?,
             on_crosswalk: ON_CROSSWALK.value(table, row)?,

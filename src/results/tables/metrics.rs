@@ -5,7 +5,7 @@ use polars::prelude::{DataType, Expr, col, lit};
 use crate::record::episodes::named;
 use crate::record::{Column, ColumnReference, Family, Role, columns};
 use episode::LeftOut;
-use verdict::Label;
+use verdict::{Label, RestsOn};
 
 /// A number of the episodes of a run, and of the runs of a cell.
 ///
@@ -41,7 +41,7 @@ pub enum Inference {
 }
 
 /// All metrics, in the order of their tables.
-pub const METRICS: [&Metric; 33] = [
+pub const METRICS: [&Metric; 37] = [
     &EPISODES,
     &ERRORS,
     &COLLISIONS,
@@ -60,6 +60,10 @@ pub const METRICS: [&Metric; 33] = [
     &UNPREVENTABLE_COLLISIONS,
     &BUMPS,
     &FAULT_COLLISIONS,
+    &ANTICIPATION_FAULTS,
+    &EARLY_GATE_FAULTS,
+    &BOTH_FAULTS,
+    &NEITHER_FAULTS,
     &WALKED_INTO_COLLISIONS,
     &PREVENTABLE_RATE,
     &PREVENTABLE_SHARE,
@@ -203,6 +207,10 @@ fn labelled(label: Label) -> Expr {
     counts().and(col(columns::VERDICT.name).eq(lit(label.name())))
 }
 
+fn resting(on: RestsOn) -> Expr {
+    counts().and(is(&columns::FAULT)).and(col(columns::RESTS_ON.name).eq(lit(on.name())))
+}
+
 fn is(column: &Column<bool>) -> Expr {
     col(column.name).fill_null(lit(false))
 }
@@ -242,6 +250,14 @@ pub const UNPREVENTABLE_COLLISIONS: Metric =
     Metric::count("unpreventable_collisions", WITH_VERDICT, || labelled(Label::Unpreventable));
 pub const FAULT_COLLISIONS: Metric =
     Metric::count("fault_collisions", "number of faults", || counts().and(is(&columns::FAULT)));
+const ANTICIPATION_FAULTS: Metric =
+    Metric::count("anticipation_faults", RESTING_DOC, || resting(RestsOn::Anticipation));
+const EARLY_GATE_FAULTS: Metric = Metric::count("early_gate_faults", RESTING_DOC, || resting(RestsOn::EarlyGate));
+const BOTH_FAULTS: Metric = Metric::count("both_faults", RESTING_DOC, || resting(RestsOn::Both));
+const NEITHER_FAULTS: Metric = Metric::count("neither_faults", RESTING_DOC, || resting(RestsOn::Neither));
+const RESTING_DOC: &str = "number of faults whose `rests_on` is that";
+/// The counts of faults by what they rest on, in the order of [`RestsOn::ALL`].
+pub const RESTING: [&Metric; 4] = [&ANTICIPATION_FAULTS, &EARLY_GATE_FAULTS, &BOTH_FAULTS, &NEITHER_FAULTS];
 pub const WALKED_INTO_COLLISIONS: Metric = Metric::count(
     "walked_into_collisions",
     "number of collisions in which the pedestrian walked into the side or the rear",

@@ -9,6 +9,8 @@ pub struct Gate {
     pub in_time: bool,
     /// What is added (s).
     pub longer: f64,
+    /// Whether it opens for somebody who is in the path only, and not for one who will be.
+    pub in_path: bool,
 }
 
 impl Gate {
@@ -17,7 +19,7 @@ impl Gate {
     /// # Source
     /// UN R157 has 2 s for cut-ins, and `esmini` (`ALKS_R157SM`) for pedestrians. From more than 30 km/h the careful human cannot stop in 2 s, so
     /// that a person who stands in the lane in full view would be no fault of any driver. A driver that looks ahead sees that person earlier: our choice.
-    pub const CAREFUL: Self = Self { least: 2.0, in_time: true, longer: 0.0 };
+    pub const CAREFUL: Self = Self { least: 2.0, in_time: true, longer: 0.0, in_path: false };
 
     /// The time to collision (s) at which it opens: at least [`Gate::least`], and time enough for the careful human to stop with this car, with
     /// its evaluation, its reaction, and a ramp in which it does not brake yet.
@@ -80,7 +82,10 @@ impl DelayedBrake {
     pub fn notices(&self, own: &OwnMotion, threat: &Threat) -> bool {
         match self.gate {
             None => threat.is_on_its_way(),
-            Some(gate) => threat.time_to_collision(own) <= gate.opens(own) && threat.is_on_course(own),
+            Some(gate) => {
+                let is_open = threat.time_to_collision(own) <= gate.opens(own) && threat.is_on_course(own);
+                is_open && (!gate.in_path || threat.aside() <= 0.0)
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-use super::{GRAVITY, OwnMotion, ReferenceDriver, Threat};
+use super::{DelayedBrake, GRAVITY, OwnMotion, ReferenceDriver, Threat};
 
 /// The Fuzzy Safety Model: it brakes weakly when the distance starts to be unsafe, and harder the more unsafe it is.
 ///
@@ -16,7 +16,8 @@ use super::{GRAVITY, OwnMotion, ReferenceDriver, Threat};
 ///
 /// # Source
 /// `ec-jrc/JRC-FSM`, whose code uses both margins and counts the reaction time down only while the distance is unsafe.
-/// For `v₁ < u` the code divides by the deceleration without its limit, and so do we.
+/// For `v₁ < u` the code divides by the deceleration without its limit, and so do we. It has no rule for a car at rest: like the careful human it does not drive off at
+/// somebody who is on course.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FuzzySafety {
     /// Time until it brakes (s).
@@ -122,6 +123,11 @@ impl ReferenceDriver for FuzzySafety {
     }
 
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, dt: f64) -> Option<f64> {
+        let human = DelayedBrake::careful_human();
+        if self.braking.is_none() && own.stands() && threat.is_some_and(|threat| human.notices(own, threat)) {
+            (self.braking, self.waiting) = (Some(0.0), 0.0);
+            return self.braking;
+        }
         let wanted = threat.map_or(0.0, |threat| self.wanted(own, threat));
         if wanted <= 0.0 {
             // Safe again: it keeps its speed, and the brake stays as far applied as it was.
@@ -173,6 +179,18 @@ mod tests {
         assert!((asked[139].unwrap() - 6.0).abs() < 1e-12);
         assert_eq!(model.brake(&own, None, 0.01), Some(0.0));
         assert_eq!(FuzzySafety::default().brake(&own, None, 0.01), None);
+    }
+
+    #[test]
+    fn a_car_at_rest_does_not_drive_off_at_somebody() {
+        let rest = OwnMotion { speed: 0.0, acceleration: 0.0, intended: 2.0, length: 4.5, brake: f64::INFINITY };
+        let near = Threat { gap: 1.0, length: 0.4, offset: 0.5, reach: 1.25, along: 0.0, towards: 0.2 };
+        let mut model = FuzzySafety::default();
+        model.begin();
+        assert_eq!(model.brake(&rest, Some(&near), 0.01), Some(0.0), "it stays");
+        let beside = Threat { offset: 4.0, towards: 0.0, ..near };
+        model.begin();
+        assert_eq!(model.brake(&rest, Some(&beside), 0.01), None, "nobody is on course");
     }
 
     #[test]
