@@ -92,9 +92,11 @@ pub(crate) fn search_cells(searches: &DataFrame) -> PolarsResult<DataFrame> {
         let times = [col(first).cast(DataType::Float64).fill_null(col(USED)), col(first).is_not_null()];
         all.push(statistic(times, |[times, reached]| median_time(times, reached)).alias(median_column(first)));
     }
-    for figure in [STARTS.name, FAILED_STARTS, FAULT_COUNT, FAULT_STARTS, INJURY] {
+    for figure in [STARTS.name, FAILED_STARTS, FAULT_COUNT, FAULT_STARTS] {
         all.extend(over_runs_with_student(figure, (0.0, f64::INFINITY)));
     }
+    all.extend(over_runs(INJURY, col(INJURY)));
+    all.extend(interval(INJURY, [col(INJURY)], injury));
     all.extend(over_runs(FAULT_START_RATE, col(FAULT_START_RATE)));
     all.extend(interval(FAULT_START_RATE, [FAULT_START_RATE, FAULT_STARTS, STARTS.name].map(col), rate_of_starts));
     searches.clone().lazy().with_row_index(PLACE.name, None).group_by_stable(cell_columns().map(col)).agg(all).collect()
@@ -111,6 +113,14 @@ pub(crate) fn searched_drivers(searches: &DataFrame) -> PolarsResult<DataFrame> 
 fn cell_columns() -> [&'static str; 4] {
     [METHOD.name, TOWN.name, DRIVER.name, SEARCH_BLOCK.name]
 }
+
+/// The interval of the injury, from [`INJURY_RUNS`] runs on: a few faults are most of it, so that fewer runs show too little of its spread.
+fn injury([runs]: [&[f64]; 1]) -> Option<(f64, f64)> {
+    student(runs, (0.0, f64::INFINITY)).filter(|_| runs.len() >= INJURY_RUNS)
+}
+
+/// The number of runs from which on the injury has an interval.
+const INJURY_RUNS: usize = 10;
 
 /// The interval of a share of starts. Equal runs show no spread, and the number of starts says what may go unseen.
 fn rate_of_starts([rates, faults, starts]: [&[f64]; 3]) -> Option<(f64, f64)> {
@@ -169,7 +179,7 @@ pub fn search_cell_columns() -> Vec<ColumnReference> {
 }
 
 const AVERAGED_DOC: &str = "mean over `runs` with Student's 95 % interval, on the logarithm, and for rates on the logit; of a rate that is the same in all runs Clopper and \
-     Pearson's over all starts. The interval is about further runs in this town, not about other towns; missing for fewer than four runs, and of other figures \
+     Pearson's over all starts. The interval is about further runs in this town, not about other towns; missing for fewer than four runs, of the injury for fewer than ten, and of other figures \
      that are the same in all";
 
 // The columns of pairs of searches.
