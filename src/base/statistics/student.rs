@@ -42,6 +42,17 @@ pub fn mean_p(values: &[f64]) -> Option<f64> {
     Some(if error > 0.0 { student_tails(mean / error, n - 1.0) } else { libm::exp2(1.0 - n) })
 }
 
+/// The same of differences of rates over seeds, from [`MIN_RUNS`] on, with a standard error that is at least what their counts allow: `variances` are those of the
+/// differences by their counts. A few differences may agree by chance.
+pub fn mean_p_of_rates(values: &[f64], variances: &[f64]) -> Option<f64> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let counted = variances.iter().sum::<f64>() / (n * n);
+    let seen = squares(values, mean) / (n - 1.0) / n;
+    let error = seen.max(counted).sqrt();
+    (values.len() >= MIN_RUNS && error > 0.0).then(|| student_tails(mean / error, n - 1.0))
+}
+
 /// The sum of the squared distances from the mean. Equal numbers may differ from it by its rounding, and have 0.
 fn squares(values: &[f64], mean: f64) -> f64 {
     let squares: f64 = values.iter().map(|each| (each - mean) * (each - mean)).sum();

@@ -8,9 +8,9 @@ use polars::prelude::{
 use super::cells::IS_FIXED_CASES;
 use super::metrics::{EPISODES, FAULT_RATE, MEAN, RUNS, compared};
 use super::searches::{FAILED_STARTS, FAULT_START_RATE, METHOD, OTHER, STARTS};
-use super::statistics::{interval, over_runs, over_runs_with_student, statistic, student};
+use super::statistics::{adjusted, interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
-use base::statistics::mean_p;
+use base::statistics::mean_p_of_rates;
 use compile::{HERE, NO_REWARD};
 
 /// The folder of the report.
@@ -164,7 +164,10 @@ pub(crate) fn seed_pairs(rows: &DataFrame, settings: &[String], all: bool) -> Po
         columns.extend(interval(metric.name, [differences()], |[seeds]| {
             student(seeds, (f64::NEG_INFINITY, f64::INFINITY))
         }));
-        columns.push(statistic([differences()], |[seeds]| mean_p(seeds)).alias(p_column(metric.name)));
+        let variance = |name: &str| col(name) * (lit(1.0) - col(name));
+        let variances = variance(metric.name) / counted("") + variance(&format!("{}{OTHER}", metric.name)) / counted(OTHER);
+        let p = statistic([differences(), variances], |[seeds, variances]| mean_p_of_rates(seeds, variances));
+        columns.push(p.alias(p_column(metric.name)));
     }
     let arguments = JoinArgs {
         maintain_order: MaintainOrderJoin::LeftRight,
@@ -178,8 +181,15 @@ pub(crate) fn seed_pairs(rows: &DataFrame, settings: &[String], all: bool) -> Po
         .filter(is_repeated().and(other(IS_ONE)).not())
         .group_by_stable(pair.clone())
         .agg(columns)
+        .with_columns(compared().map(|metric| adjusted(col(p_column(metric.name)))).collect::<Vec<_>>())
         .sort_by_exprs(pair, SortMultipleOptions::default())
         .collect()
+}
+
+/// The number of episodes behind the rates of a row, or of the starts of a search.
+fn counted(suffix: &str) -> Expr {
+    let column = |name: &str| col(format!("{name}{suffix}")).cast(DataType::Float64);
+    column(EPISODES.name).fill_null(column("search_starts"))
 }
 
 /// The number of the group in a row of these tables, or of the other one.

@@ -1,15 +1,14 @@
 //! What is made of the table of searches: cells of searches that differ in their run alone, and pairs of these.
 
 use polars::prelude::{
-    Column as Values, DataFrame, DataType, Expr, Field, Float64Chunked, IntoColumn, IntoLazy, JoinArgs, JoinType,
-    LazyFrame, MaintainOrderJoin, PolarsResult, SortMultipleOptions, UnionArgs, col, concat, len, lit,
+    DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, LazyFrame, MaintainOrderJoin, PolarsResult, SortMultipleOptions, UnionArgs, col, concat, len, lit,
 };
 
 use super::metrics::{MEAN, RUNS};
-use super::statistics::{interval, over_runs, over_runs_with_student, statistic, student};
+use super::statistics::{adjusted, interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, DRIVER, REWARD, RUN, TOWN};
 use crate::record::{Column, ColumnReference, Role};
-use base::statistics::{MIN_RUNS, clopper_pearson, holm, mean_interval_at, mean_p};
+use base::statistics::{MIN_RUNS, clopper_pearson, mean_interval_at, mean_p};
 
 pub const METHOD: Column<String> = Column::new("method", "", "the search, by the name of its method");
 pub const STARTS: Column<u64> = Column::new(
@@ -244,12 +243,7 @@ pub(crate) fn search_pairs(searches: &DataFrame) -> PolarsResult<DataFrame> {
     pairs
         .group_by_stable([PAIR.name, RANK].map(col))
         .agg(keys.into_iter().chain(of_pair).chain(ends).collect::<Vec<_>>())
-        .with_column(
-            col(P)
-                .apply(adjusted, |_, field| Ok(Field::new(field.name().clone(), DataType::Float64)))
-                .over(family())?
-                .alias(P_HOLM),
-        )
+        .with_column(adjusted(col(P)).over(family())?.alias(P_HOLM))
         .sort_by_exprs([PAIR.name, RANK].map(col), SortMultipleOptions::default())
         .collect()
 }
@@ -267,17 +261,9 @@ fn within_family([differences, family, is_share]: [&[f64]; 3]) -> Option<(f64, f
     Some(if is_share.first() == Some(&1.0) { (low.max(-1.0), high.min(1.0)) } else { (low, high) })
 }
 
-/// Holm's correction of those that are not missing.
-fn adjusted(p: Values) -> PolarsResult<Values> {
-    let p = p.f64()?;
-    let mut known = holm(&p.iter().flatten().collect::<Vec<f64>>()).into_iter();
-    let all: Float64Chunked = p.iter().map(|p| p.and_then(|_| known.next())).collect();
-    Ok(all.with_name(p.name().clone()).into_column())
-}
-
 #[cfg(test)]
 mod tests {
-    use polars::prelude::{NamedFrom, PlSmallStr, Series};
+    use polars::prelude::{Column as Values, NamedFrom, PlSmallStr, Series};
     use rand::Rng;
 
     use super::*;

@@ -5,7 +5,7 @@ use polars::prelude::{
 };
 
 use super::metrics::MEAN;
-use base::statistics::{bounded_interval, mean_interval};
+use base::statistics::{bounded_interval, holm, mean_interval};
 
 /// A statistic of the numbers of a group that are not missing, a slice for each expression.
 pub fn statistic<const N: usize>(
@@ -20,6 +20,17 @@ pub fn statistic<const N: usize>(
     };
     let field = |_: &_, fields: &[Field]| Ok(Field::new(fields[0].name().clone(), DataType::Float64));
     apply_multiple(of_group, of.map(|expression| expression.cast(DataType::Float64)), field, true)
+}
+
+/// Holm's correction of the probabilities that are not missing.
+pub fn adjusted(p: Expr) -> Expr {
+    let adjusted = |p: Column| {
+        let p = p.f64()?;
+        let mut known = holm(&p.iter().flatten().collect::<Vec<f64>>()).into_iter();
+        let all: Float64Chunked = p.iter().map(|p| p.and_then(|_| known.next())).collect();
+        Ok(all.with_name(p.name().clone()).into_column())
+    };
+    p.apply(adjusted, |_, field| Ok(Field::new(field.name().clone(), DataType::Float64)))
 }
 
 /// The columns `NAME_low` and `NAME_high` of an interval.

@@ -141,13 +141,13 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
         words(own).into_iter().chain([beside.text_of(WHO).into()]).chain(figures).collect::<Vec<Value>>()
     };
     let columns = shown_metrics()
-        .flat_map(|metric| [Column::number(format!("{}, difference", metric.word())), Column::number("p")]);
+        .flat_map(|metric| [Column::number(format!("{}, difference", metric.word())), Column::number("p (Holm)")]);
     let differences = Table {
         title: "Differences, paired by seed".into(),
         head: head(std::iter::once(Column::text("beside")).chain(columns).collect()),
         rows: overview.seed_pairs(everything)?.iter().map(difference).collect(),
         notes: vec![
-            "p is Student's, two-sided, from three seeds on, and corrected for nothing: of twenty rows one is below 0.05 by chance.".into(),
+            "p is Student's, two-sided, from four seeds on, with at least the spread that the counts allow, and with Holm's correction for all rows of a figure.".into(),
         ],
         ..Table::default()
     };
