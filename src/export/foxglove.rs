@@ -115,7 +115,6 @@ fn update(entities: Vec<Value>) -> Value {
     json!({ "deletions": [], "entities": entities })
 }
 
-/// An entity whose primitives are in one list.
 fn entity(name: &str, time: u64, primitives: &str, list: Vec<Value>) -> Value {
     let mut entity = json!({
         "timestamp": { "sec": time / 1_000_000_000, "nsec": time % 1_000_000_000 },

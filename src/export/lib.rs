@@ -90,7 +90,6 @@ pub enum EgoDriver {
 /// The time at which the pedestrians of an export walk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Walking {
-    /// The recorded one.
     #[default]
     Recorded,
     /// As soon as the ego is as near as it was when the pedestrian of the verdict set off. A pedestrian that walks from the first tick on
@@ -98,7 +97,6 @@ pub enum Walking {
     Released,
 }
 
-/// A file of an export.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportFile {
     /// Its name, without a folder.

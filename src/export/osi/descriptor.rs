@@ -85,7 +85,6 @@ enum Kind {
 const OPTIONAL: i32 = 1;
 const REPEATED: i32 = 3;
 
-/// A field: its name, its number and its type.
 type Field = (&'static str, i32, Kind);
 
 /// The descriptor set of `osi3.GroundTruth`.

@@ -16,7 +16,6 @@ use results::report;
 use verdict::Verdict;
 use verdict::cause::{MAX_RUNS, Questions, RunLimit};
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify export 1a2b3c4d:17 --as xosc-1.3   1a2b3c4d-17.xosc and its map, both actors on their tracks
@@ -150,7 +149,6 @@ fn formats() -> impl TypedValueParser<Value = Format> {
     })
 }
 
-/// `falsify export`
 pub fn export(options: &ExportArgs) -> Ended {
     let Some(Format(exporter)) = options.format.filter(|_| !options.formats) else {
         for exporter in all_formats() {

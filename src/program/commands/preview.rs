@@ -17,7 +17,6 @@ use base::diagnostic::{Colour, render};
 use results::report::{self, MapPage, StartLayer, TownView};
 use road::{AssumedLimit, Crossing, GiveWay, LEVEL, LaneKind, Town, opendrive};
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify preview my.scn                     write my.preview.html and follow my.scn until Ctrl-C
@@ -63,7 +62,6 @@ pub struct PreviewArgs {
 struct Preview {
     /// The diagnostics as they are drawn under their lines, without colour.
     problems: Vec<String>,
-    /// The number of errors.
     errors: usize,
     /// The files that were read, or that could not be read.
     files: Vec<PathBuf>,
@@ -73,7 +71,6 @@ struct Preview {
     starts: Vec<(String, SampledStarts)>,
 }
 
-/// `falsify preview`
 pub fn preview(options: &PreviewArgs) -> Ended {
     let session = session(options.given.allow_external);
     if options.once || is_map(&options.file) {

@@ -134,7 +134,6 @@ impl<'a> EpisodeTable<'a> {
         self.error(row).is_none() && self.left_out(row).is_none()
     }
 
-    /// Whether it is a collision.
     pub fn is_collision(&self, row: usize) -> bool {
         self.outcome.get(row) == Some(named::COLLISION)
     }

@@ -130,7 +130,6 @@ impl Row<'_> {
         column.value(self.0, self.1).map(|value| value == Some(true))
     }
 
-    /// The name of the run.
     pub fn run_id(self) -> PolarsResult<RunId> {
         let no_run = |error: NoRunId| PolarsError::ComputeError(error.to_string().into());
         self.text(&RUN_ID)?.parse().map_err(no_run)
@@ -187,7 +186,6 @@ impl Row<'_> {
     }
 }
 
-/// A failure of a list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedFailure {
     /// The folder of its report.

@@ -145,7 +145,6 @@ fn of_requirement<'a>(cell: &'a Cell, rows: &mut Vec<Row<'a>>) {
     }
 }
 
-/// A metric of the requirement of this name.
 fn of_name(metric: &Metric, requirement: &str) -> ColumnReference {
     ColumnReference { name: format!("{}({requirement})", metric.name).into(), ..metric.reference() }
 }

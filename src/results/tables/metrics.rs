@@ -373,7 +373,6 @@ pub const ANSWER: [(&Metric, &str); 3] = [
 
 /// The number of runs of a cell.
 pub const RUNS: Column<u32> = Column::new("runs", "", "number of runs");
-/// The mean over the runs of a cell.
 pub const MEAN: Family<f64> = Family::new("_mean", "", "mean over the runs of the cell");
 
 /// The counts of touches with each verdict, in the order of [`Label::ALL`].

@@ -35,7 +35,6 @@ const ROW: &str = "number of the row";
 /// Whether all rows of the group are fixed cases that end alike, which are one run.
 const IS_ONE: &str = "is one run";
 
-/// The column of a setting.
 pub fn setting_column(name: &str) -> String {
     format!("{name} =")
 }

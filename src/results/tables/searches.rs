@@ -35,16 +35,13 @@ pub const USED: &str = "used_ticks";
 pub const SEARCH_EPISODES: &str = "episodes";
 pub const FAILURE_COUNT: &str = "failures";
 pub const FAILED_STARTS: &str = "failed_starts";
-/// Ticks to the first failure.
 pub const FIRST_FAILURE: &str = "first_failure_ticks";
-/// Simulations to the first failure.
 pub const FIRST_SIMULATIONS: &str = "first_failure_simulations";
 pub const PREVENTABLE_COUNT: &str = "preventable";
 pub const FAULT_COUNT: &str = "faults";
 pub const FAULT_STARTS: &str = "fault_starts";
 /// The share of the starts from which it found a fault.
 pub const FAULT_START_RATE: &str = "fault_start_rate";
-/// Ticks to the first fault.
 pub const FIRST_FAULT: &str = "first_fault_ticks";
 /// The avoidable injury of a thousand episodes.
 pub const INJURY: &str = "avoidable_injury_per_thousand";

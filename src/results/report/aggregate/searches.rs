@@ -212,7 +212,6 @@ impl Row<SearchKey> {
 /// Two searches, or two drivers, of one town, compared by a figure, with the number of the pair.
 pub type SearchPair = Row<u64>;
 
-/// The pairs of searches.
 pub(crate) fn search_pairs(searches: &DataFrame) -> Rows<u64> {
     let number = |table: &DataFrame, row| Ok(PAIR.value(table, row)?.unwrap_or_default());
     let pairs = tables::search_pairs(searches).and_then(|pairs| Rows::new(pairs, number));

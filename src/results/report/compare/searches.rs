@@ -142,7 +142,6 @@ fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u
     worst
 }
 
-/// The number of starts that both sides tried.
 pub const TRIED_STARTS: Column<u64> = Column::new("tried_starts", "", "starts that both sides tried, over all runs");
 /// The figure that is tested.
 const DIFFERENCE: &str = "found_difference";
