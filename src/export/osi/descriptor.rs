@@ -3,40 +3,38 @@
 //! # Source
 //! `descriptor.proto` of protobuf; the messages are those of ASAM OSI 3.8.0.
 
-use prost::Message;
-
-use super::messages::messages;
+use base::messages;
 
 messages! {
     FileDescriptorSet {
-        files: Vec<FileDescriptor> = 1 message repeated,
+        files: Vec<FileDescriptor> = 1 (message, repeated),
     }
     FileDescriptor {
-        name: String = 1 string,
-        package: String = 2 string,
-        messages: Vec<Descriptor> = 4 message repeated,
-        syntax: String = 12 string,
+        name: String = 1 (string),
+        package: String = 2 (string),
+        messages: Vec<Descriptor> = 4 (message, repeated),
+        syntax: String = 12 (string),
     }
     Descriptor {
-        name: String = 1 string,
-        fields: Vec<FieldDescriptor> = 2 message repeated,
-        nested: Vec<Descriptor> = 3 message repeated,
-        enums: Vec<EnumDescriptor> = 4 message repeated,
+        name: String = 1 (string),
+        fields: Vec<FieldDescriptor> = 2 (message, repeated),
+        nested: Vec<Descriptor> = 3 (message, repeated),
+        enums: Vec<EnumDescriptor> = 4 (message, repeated),
     }
     FieldDescriptor {
-        name: String = 1 string,
-        number: i32 = 3 int32,
-        label: i32 = 4 int32,
-        kind: i32 = 5 int32,
-        type_name: Option<String> = 6 string optional,
+        name: String = 1 (string),
+        number: i32 = 3 (int32),
+        label: i32 = 4 (int32),
+        kind: i32 = 5 (int32),
+        type_name: Option<String> = 6 (string, optional),
     }
     EnumDescriptor {
-        name: String = 1 string,
-        values: Vec<EnumValue> = 2 message repeated,
+        name: String = 1 (string),
+        values: Vec<EnumValue> = 2 (message, repeated),
     }
     EnumValue {
-        name: String = 1 string,
-        number: Option<i32> = 2 int32 optional,
+        name: String = 1 (string),
+        number: Option<i32> = 2 (int32, optional),
     }
 }
 
