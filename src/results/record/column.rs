@@ -159,6 +159,52 @@ impl<K: Kind> Column<K> {
     }
 }
 
+/// Declares columns and families; the comment of each is its meaning: `pub SPEED: Column<f64> = "speed_mps" ["m/s"];`.
+macro_rules! columns {
+    ($($(#[doc = $doc:literal])+ $visible:vis $NAME:ident: $Kind:ident<$held:ty> = $name:literal $([$unit:literal])? $(as $role:ident)?;)*) => {
+        $(
+            $(#[doc = $doc])+
+            $visible const $NAME: $crate::record::$Kind<$held> =
+                $crate::record::$Kind::new($name, concat!($($unit)?), concat!($($doc),+).trim_ascii())
+                    $(.with_role($crate::record::Role::$role))?;
+        )*
+    };
+}
+pub(crate) use columns;
+
+/// Columns of a table whose rows are `row`: known ones, and those of this table alone, whose comment is their meaning.
+///
+/// ```text
+/// entries! { row: &Driven;
+///     TOWN = row.town.clone();
+///     /// another meaning than elsewhere
+///     EGO_SPEED = row.first_speed;
+///     /// speed at the end
+///     last_speed_mps: f64 ["m/s"] = row.speed;
+///     /// a name that others know
+///     named(TRIED): u64 = row.tried;
+/// }
+/// ```
+macro_rules! entries {
+    (
+        $row:ident: $Row:ty;
+        $($(#[doc = $doc:literal])* $name:ident $(($named:expr))? $(: $held:ty)? $([$unit:literal])? $(as $role:ident)? = $value:expr;)*
+    ) => {
+        [$($crate::record::entries!(@ [$($doc)*] $name [$($named)?] [$($held)?] [$($unit)?] [$($role)?] move |$row: $Row| $value)),*]
+    };
+    (@ [] $name:ident [] [] [] [] $value:expr) => { $name.of($value) };
+    (@ [$($doc:literal)+] $name:ident [] [] [] [] $value:expr) => { $name.of($value).meaning(concat!($($doc),+).trim_ascii()) };
+    (@ [$($doc:literal)+] $name:ident [] $($rest:tt)+) => {
+        $crate::record::entries!(@ [$($doc)+] $name [stringify!($name)] $($rest)+)
+    };
+    (@ [$($doc:literal)+] $name:ident [$named:expr] [$held:ty] [$($unit:literal)?] [$($role:ident)?] $value:expr) => {
+        $crate::record::Column::<$held>::new($named, concat!($($unit)?), concat!($($doc),+).trim_ascii())
+            $(.with_role($crate::record::Role::$role))?
+            .of($value)
+    };
+}
+pub(crate) use entries;
+
 /// Columns of the same meaning for several things: `cc_avoids`, `rss_avoids` and so on. The name of the thing comes first.
 #[derive(Debug)]
 pub struct Family<K> {
@@ -285,12 +331,6 @@ impl<'t, R> Entry<'t, R> {
         Self { reference, write: Box::new(write) }
     }
 
-    /// The same values under another name.
-    pub fn named(mut self, name: impl Into<Cow<'static, str>>) -> Self {
-        self.reference.name = name.into();
-        self
-    }
-
     /// The same as a value of this role of a figure.
     pub fn of_figure(mut self, figure: impl Into<Cow<'static, str>>, role: Role) -> Self {
         (self.reference.figure, self.reference.role) = (figure.into(), role);
@@ -351,36 +391,6 @@ impl<'t, R> Table<'t, R> {
     pub fn column(mut self, entry: Entry<'t, R>) -> Self {
         self.entries.push(entry);
         self
-    }
-
-    /// Adds a column of text.
-    #[must_use]
-    pub fn text<V: Cell<String>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
-        self.column(Column::<String>::new(name, "", doc).of(value))
-    }
-
-    /// Adds a column of counts.
-    #[must_use]
-    pub fn count<V: Cell<u64>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
-        self.column(Column::<u64>::new(name, "", doc).of(value))
-    }
-
-    /// Adds a column of numbers without a unit.
-    #[must_use]
-    pub fn number<V: Cell<f64>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
-        self.column(Column::<f64>::new(name, "", doc).of(value))
-    }
-
-    /// Adds a column of numbers in a unit.
-    #[must_use]
-    pub fn measure<V: Cell<f64>>(
-        self,
-        name: &'static str,
-        unit: &'static str,
-        doc: &'static str,
-        value: impl Fn(&R) -> V + 't,
-    ) -> Self {
-        self.column(Column::<f64>::new(name, unit, doc).of(value))
     }
 
     /// Adds several columns.

@@ -17,6 +17,7 @@ mod parquet_reader;
 pub(crate) mod tests;
 
 pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Role, Signed, Table, TableReference};
+pub(crate) use column::{columns, entries};
 pub use degrees::{DEGREES, parse as parse_degrees, with_degrees};
 pub use episodes::{EPISODES, IN_ERROR, cell_key, episode_references, episode_table, episodes};
 pub use key::{CellKey, RunKey, in_block, in_world};

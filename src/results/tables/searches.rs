@@ -1,28 +1,26 @@
 //! What is made of the table of searches: cells of searches that differ in their run alone, and pairs of these.
 
 use polars::prelude::{
-    Column as Values, DataFrame, DataType, Expr, Field, Float64Chunked, IntoColumn, IntoLazy, JoinArgs, JoinType,
-    LazyFrame, MaintainOrderJoin, PolarsResult, SortMultipleOptions, UnionArgs, col, concat, len, lit,
+    DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, LazyFrame, MaintainOrderJoin, PolarsResult,
+    SortMultipleOptions, UnionArgs, col, concat, len, lit,
 };
 
 use super::metrics::{MEAN, RUNS};
-use super::statistics::{interval, over_runs, over_runs_with_student, statistic, student};
+use super::statistics::{adjusted, interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, DRIVER, REWARD, RUN, TOWN};
-use crate::record::{Column, ColumnReference, Role};
-use base::statistics::{MIN_RUNS, clopper_pearson, holm, mean_interval_at, mean_p};
+use crate::record::{Column, ColumnReference, Role, columns};
+use base::statistics::{MIN_RUNS, clopper_pearson, mean_interval_at, mean_p};
 
-pub const METHOD: Column<String> = Column::new("method", "", "the search, by the name of its method");
-pub const STARTS: Column<u64> = Column::new(
-    "starts",
-    "",
-    "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all searches",
-);
-pub const TRIED: Column<String> = Column::new("tried", "", "numbers of these starts, as `0-31 40`");
-pub const FIRST_START: Column<String> = Column::new(
-    "first_start",
-    "",
-    "number of the first of these starts and hash of it as it was drawn; searches with equal ones have the same starts",
-);
+columns! {
+    /// the search, by the name of its method
+    pub METHOD: Column<String> = "method";
+    /// different starts of these episodes; starts 0, 1, 2, … of a run are the same for all searches
+    pub STARTS: Column<u64> = "starts";
+    /// numbers of these starts, as `0-31 40`
+    pub TRIED: Column<String> = "tried";
+    /// number of the first of these starts and hash of it as it was drawn; searches with equal ones have the same starts
+    pub FIRST_START: Column<String> = "first_start";
+}
 pub const SEARCH_BLOCK: Column<u64> =
     Column::new(BLOCK.name, "", "number of the `search` block in its campaign, from 0");
 pub const SEARCH_RUN: Column<u64> = Column::new(RUN.name, "", RUN.doc);
@@ -170,11 +168,10 @@ const AVERAGED_DOC: &str = "mean over `runs` with Student's 95 % interval, on th
      that are the same in all";
 
 // The columns of pairs of searches.
-pub const FIGURE: Column<String> = Column::new(
-    "figure",
-    "",
-    "`collision_rate`, `preventable_rate` or `fault_rate`, or of searches a metric: what is compared",
-);
+columns! {
+    /// `collision_rate`, `preventable_rate` or `fault_rate`, or of searches a metric: what is compared
+    pub FIGURE: Column<String> = "figure";
+}
 pub const OTHER: &str = "_other";
 pub const DIFFERENCES: &str = "differences";
 pub const DIFFERENCE: &str = "difference";
@@ -231,12 +228,7 @@ pub(crate) fn search_pairs(searches: &DataFrame) -> PolarsResult<DataFrame> {
     pairs
         .group_by_stable([PAIR.name, RANK].map(col))
         .agg(keys.into_iter().chain(of_pair).chain(ends).collect::<Vec<_>>())
-        .with_column(
-            col(P)
-                .apply(adjusted, |_, field| Ok(Field::new(field.name().clone(), DataType::Float64)))
-                .over(family())?
-                .alias(P_HOLM),
-        )
+        .with_column(adjusted(col(P)).over(family())?.alias(P_HOLM))
         .sort_by_exprs([PAIR.name, RANK].map(col), SortMultipleOptions::default())
         .collect()
 }
@@ -254,17 +246,9 @@ fn within_family([differences, family, is_share]: [&[f64]; 3]) -> Option<(f64, f
     Some(if is_share.first() == Some(&1.0) { (low.max(-1.0), high.min(1.0)) } else { (low, high) })
 }
 
-/// Holm's correction of those that are not missing.
-fn adjusted(p: Values) -> PolarsResult<Values> {
-    let p = p.f64()?;
-    let mut known = holm(&p.iter().flatten().collect::<Vec<f64>>()).into_iter();
-    let all: Float64Chunked = p.iter().map(|p| p.and_then(|_| known.next())).collect();
-    Ok(all.with_name(p.name().clone()).into_column())
-}
-
 #[cfg(test)]
 mod tests {
-    use polars::prelude::{NamedFrom, PlSmallStr, Series};
+    use polars::prelude::{Column as Values, NamedFrom, PlSmallStr, Series};
     use rand::Rng;
 
     use super::*;

@@ -5,7 +5,7 @@ use polars::prelude::{
 };
 
 use super::metrics::MEAN;
-use base::statistics::{bounded_interval, mean_interval};
+use base::statistics::{bounded_interval, holm, mean_interval};
 
 /// A statistic of the numbers of a group that are not missing, a slice for each expression.
 pub fn statistic<const N: usize>(
@@ -31,6 +31,17 @@ pub fn interval<const N: usize>(
     let low = statistic(of.clone(), move |numbers| Some(ends(numbers)?.0));
     let high = statistic(of, move |numbers| Some(ends(numbers)?.1));
     [low.alias(format!("{name}_low")), high.alias(format!("{name}_high"))]
+}
+
+/// Probabilities, adjusted by Holm's method for those that are not missing.
+pub fn adjusted(p: Expr) -> Expr {
+    let holm_of = |p: Column| {
+        let p = p.f64()?;
+        let mut known = holm(&p.iter().flatten().collect::<Vec<f64>>()).into_iter();
+        let all: Float64Chunked = p.iter().map(|p| p.and_then(|_| known.next())).collect();
+        Ok(all.with_name(p.name().clone()).into_column())
+    };
+    p.apply(holm_of, |_, field| Ok(Field::new(field.name().clone(), DataType::Float64)))
 }
 
 /// A number of runs: its mean, its sample deviation, and the values of those that have one.
