@@ -202,7 +202,7 @@ impl Preview {
         };
         let (page, script) = (place(".preview.html"), place(".preview.js"));
         let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let follows = version.as_ref().map(|version| (address(&name(&script)), version.clone()));
+        let follows = version.as_ref().map(|version| (base::files::address(&name(&script), b"-_.~"), version.clone()));
         let text = self.page(&name(&options.file), follows);
         let written = report::write_file(&page, text.as_bytes()).and_then(|()| match version {
             // The page is there before the script names it.
@@ -237,12 +237,6 @@ impl Preview {
     fn count_errors(&self) -> String {
         if self.errors == 0 { "no errors".into() } else { console::count(self.errors, "error") }
     }
-}
-
-/// A file name in a relative address.
-fn address(name: &str) -> String {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
-    name.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
 /// Prints what a map holds and what was skipped of its file.

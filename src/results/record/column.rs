@@ -255,43 +255,17 @@ impl<K: Kind> Family<K> {
     }
 }
 
-/// The two columns of an interval, `…_low` and `…_high`.
-#[derive(Debug, Clone, Copy)]
-pub struct Interval {
-    /// The prefix of both names.
-    pub name: &'static str,
-    unit: &'static str,
+/// The two columns of an interval of a figure, `…_low` and `…_high`, of a table whose rows give these ends.
+pub fn interval<'t, R>(
+    name: &str,
+    figure: &str,
     doc: &'static str,
-}
-
-impl Interval {
-    /// The interval of this name, unit and meaning.
-    pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        Self { name, unit, doc }
-    }
-
-    /// The names of both columns.
-    pub fn names(&self) -> [String; 2] {
-        [format!("{}_low", self.name), format!("{}_high", self.name)]
-    }
-
-    /// The columns of a table whose rows give these ends.
-    pub fn of<'t, R>(&self, ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 't) -> [Entry<'t, R>; 2] {
-        self.of_ends(move |row| ends(row).map(|(low, _)| low), move |row| ends(row).map(|(_, high)| high))
-    }
-
-    /// The columns of a table whose rows give each end on its own.
-    pub fn of_ends<'t, R>(
-        &self,
-        low: impl Fn(&R) -> Option<f64> + 't,
-        high: impl Fn(&R) -> Option<f64> + 't,
-    ) -> [Entry<'t, R>; 2] {
-        let [low_name, high_name] = self.names();
-        let (unit, doc) = (self.unit.into(), self.doc.into());
-        let low = Entry::new::<f64, _>(low_name.into(), unit, doc, low);
-        let high = Entry::new::<f64, _>(high_name.into(), self.unit.into(), self.doc.into(), high);
-        [low.of_figure(self.name, Role::LowerBound), high.of_figure(self.name, Role::UpperBound)]
-    }
+    ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 't,
+) -> [Entry<'t, R>; 2] {
+    let name = |end: &str| format!("{name}_{end}").into();
+    let low = Entry::new::<f64, _>(name("low"), "".into(), doc.into(), move |row| Some(ends(row)?.0));
+    let high = Entry::new::<f64, _>(name("high"), "".into(), doc.into(), move |row| Some(ends(row)?.1));
+    [low.of_figure(figure.to_owned(), Role::LowerBound), high.of_figure(figure.to_owned(), Role::UpperBound)]
 }
 
 /// Makes a column of this name from rows.

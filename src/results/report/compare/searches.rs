@@ -7,7 +7,7 @@ use super::paired_rate::PairedRate;
 use super::table::{MATCHED_RUNS, OTHER_DRIVER};
 use crate::failure::Failure;
 use crate::record::columns::{DRIVER, TOWN};
-use crate::record::{Entry, Interval, Role, Table, columns, entries};
+use crate::record::{Entry, Role, Table, columns, entries, interval};
 use crate::report::aggregate::{BUDGET, METHOD, SEARCH_BLOCK};
 use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
@@ -171,15 +171,13 @@ pub fn compared_search_table() -> Table<'static, ComparedSearch> {
             /// second less first
             named(DIFFERENCE): f64 as ShareDifference = row.found.difference();
         })
-        .columns(
-            Interval::new(
-                DIFFERENCE,
-                "",
-                "in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): Student's over runs, about further runs in this town; Bonett \
-                 and Price's for a single run, Clopper and Pearson's where no start differs; missing for two and three runs",
-            )
-            .of(|row: &ComparedSearch| row.found.interval),
-        )
+        .columns(interval(
+            DIFFERENCE,
+            DIFFERENCE,
+            "in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): Student's over runs, about further runs in this town; Bonett \
+             and Price's for a single run, Clopper and Pearson's where no start differs; missing for two and three runs",
+            |row: &ComparedSearch| row.found.interval,
+        ))
         .columns([P_HOLM.of(|row: &ComparedSearch| row.found.holm).of_figure(DIFFERENCE, Role::AdjustedP)])
         .columns(changed("failed_starts", "failure", |row| row.collisions))
         .columns(changed("preventable_starts", "preventable failure", |row| row.preventable))

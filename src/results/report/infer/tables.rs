@@ -2,7 +2,7 @@ use polars::prelude::{DataFrame, Expr, IntoLazy, NULL, col, lit, when};
 
 use super::{Comparison, Test};
 use crate::record::columns::{DRIVER, PEDESTRIAN};
-use crate::record::{Column, ColumnReference, Interval, Table, cell_key, columns};
+use crate::record::{Column, ColumnReference, Table, cell_key, columns, interval};
 use crate::tables::{FIGURE, METHOD, OTHER};
 use verdict::Reference;
 
@@ -13,13 +13,9 @@ const OTHER_DRIVER: Column<String> =
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 const DIFFERENCE: Column<f64> =
     Column::new("difference", "", "mean of the figure over the runs of the cell less that of the other cell");
-const DIFFERENCE_INTERVAL: Interval = Interval::new(
-    "difference",
-    "",
-    "its interval, which holds the truth for all rows of its kind in 95 % of campaigns (Bonferroni). Student's with Welch's degrees of freedom; its variance is \
+const DIFFERENCE_INTERVAL: &str = "its interval, which holds the truth for all rows of its kind in 95 % of campaigns (Bonferroni). Student's with Welch's degrees of freedom; its variance is \
      that between the trainings of either cell plus that of the common episodes (at least that of one episode). Exact for one run on each side. \
-     Missing if one side alone is a single training, or has two or three runs",
-);
+     Missing if one side alone is a single training, or has two or three runs";
 columns! {
     /// two-sided p-value, adjusted for all tests of its kind in the table by Holm's method; in 95 % of campaigns no finding of its kind below 0.05 is false;
     /// a kind is all rows that compare pedestrians, or all that compare drivers. Missing without a test: where neither cell has such a collision, or one has
@@ -73,7 +69,7 @@ pub fn comparison_table() -> Table<'static, Comparison> {
     .column(FIGURE.of(|row: &Row| row.figure.name))
     .column(PAIRED_EPISODES.of(|row: &Row| row.episodes))
     .column(DIFFERENCE.of(|row: &Row| row.difference))
-    .columns(DIFFERENCE_INTERVAL.of(|row: &Row| row.interval))
+    .columns(interval(DIFFERENCE.name, DIFFERENCE.name, DIFFERENCE_INTERVAL, |row: &Row| row.interval))
     .column(TEST.of(|row: &Row| row.test.name()))
     .column(P_HOLM.of(|row: &Row| row.holm))
 }

@@ -173,7 +173,7 @@ fn of_crossings() -> Vec<Counted> {
     let episodes_new = |name, doc, is| count_new(Of::Pairs, name, doc, is);
     let starts = |name, doc, is| count(Of::Starts, name, doc, is);
     let starts_new = |name, doc, is| count_new(Of::Starts, name, doc, is);
-    let share = |name, doc, is: Expr| number(Of::Starts, Column::new(name, "", doc).with_role(Role::Share), is.mean());
+    let share = |name, doc, value| number(Of::Starts, Column::new(name, "", doc).with_role(Role::Share), value);
     let p = |name, doc, of, value| number(of, Column::new(name, "", doc).with_role(Role::AdjustedP), value);
     let injuries = |name, doc, value| number(Of::Pairs, Column::new(name, "1/1000", doc), value);
     counted! {
@@ -200,9 +200,9 @@ fn of_crossings() -> Vec<Counted> {
         /// such starts of both
         fault_starts_same: starts(was(FAULT).and(is(FAULT)));
         /// share of the starts with a fault of the old driver
-        fault_share_before: share(was(FAULT));
+        fault_share_before: share(if_known(was(FAULT).mean()));
         /// the same of the new driver
-        fault_share_after: share(is(FAULT));
+        fault_share_after: share(is(FAULT).mean());
         /// probability of such a change of the share by chance: McNemar's exact test over starts
         p: p(Of::Starts, exact([fixed_start, new_start]));
         /// the same, adjusted by Holm's method for all rows in which a start differs; else 1

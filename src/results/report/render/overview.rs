@@ -128,13 +128,15 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
     };
     let by_group: BTreeMap<u32, &Row<u32>> = all.iter().map(|row| (row.key, row)).collect();
     let shown_metrics = compared().rev().take(if everything { usize::MAX } else { 1 });
+    let pairs = overview.seed_pairs(everything)?;
+    let pairs: Vec<_> = pairs.iter().map(|pair| (pair, pair.key.map(|group| by_group[&group]))).collect();
     let differences = words()
-        .of(|pair: &Row<[u32; 2]>| by_group[&pair.key[0]])
-        .text("beside", |pair| by_group[&pair.key[1]].text_of(WHO))
+        .of(|(_, [own, _]): &(&Row<[u32; 2]>, [&Row<u32>; 2])| *own)
+        .text("beside", |(_, [_, beside])| beside.text_of(WHO))
         .each(
             shown_metrics.flat_map(|metric| [(metric, false), (metric, true)]),
             |(metric, is_p)| Column::number(if *is_p { "p".into() } else { format!("{}, difference", metric.word()) }),
-            |(metric, is_p), pair| match is_p {
+            |(metric, is_p), (pair, _)| match is_p {
                 true => p(pair.number(&p_column(metric.name))),
                 false => over_seeds(&pair.figure(metric.name, ""), true),
             },
@@ -144,7 +146,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
         notes: vec![
             "p is Student's, two-sided, from three seeds on, and corrected for nothing: of twenty rows one is below 0.05 by chance.".into(),
         ],
-        ..differences.table(overview.seed_pairs(everything)?.iter())
+        ..differences.table(&pairs)
     };
     Ok([seeds, differences].into_iter().filter(|table| !table.rows.is_empty()).collect())
 }
@@ -219,27 +221,11 @@ fn reports_first<'t, R: 't>(overview: &'t Overview<'t>, variant: fn(&R) -> &'t V
     Selection::new()
         .column(report, move |row| {
             let report = &variant(row).report;
-            Value::Text(report.clone(), Mark::Link(format!("{}/report.html", address(report))))
+            Value::Text(report.clone(), Mark::Link(format!("{}/report.html", base::files::address(report, b"-_.~=,+"))))
         })
         .each(
             overview.parameters.iter().enumerate(),
             |(_, name)| Column::text(**name).key(),
             move |(place, _), row| overview.values(variant(row))[*place].clone().unwrap_or_else(|| "–".into()),
         )
-}
-
-/// A folder's name in a relative address.
-fn address(name: &str) -> String {
-    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-_.~=,+".contains(byte);
-    name.bytes().map(|byte| if plain(&byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_is_a_part_of_an_address() {
-        assert_eq!(address("a=1 b"), "a=1%20b");
-    }
 }
