@@ -146,6 +146,13 @@ fn too_long() -> io::Error {
     io::Error::other(format!("it has more than {} MiB", MAX_BYTES >> 20))
 }
 
+/// A name as a part of an address: bytes other than letters, digits and these plain ones are percent-encoded.
+pub fn address(name: &str, plain: &[u8]) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || plain.contains(&byte);
+    let encoded = |byte: u8| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+    name.bytes().map(encoded).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,3 +9,4 @@ pub mod signature;
 pub mod seed;
 pub mod statistics;
 pub mod suggest;
+mod messages;

@@ -8,62 +8,63 @@ use std::fmt;
 
 /// Powers of metre, second, radian and kilogram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Dimension {
-    metre: i8,
-    second: i8,
-    radian: i8,
-    kilogram: i8,
+pub struct Dimension([i8; 4]);
+
+/// What the powers of a [`Dimension`] are of.
+const BASES: [&str; 4] = ["m", "s", "rad", "kg"];
+
+macro_rules! dimensions {
+    ($($(#[$doc:meta])+ $NAME:ident = $powers:expr, $name:literal, $units:expr;)*) => {
+        /// The dimensions of quantities, by their short names.
+        pub mod dimensions {
+            use super::Dimension;
+
+            $($(#[$doc])+ pub const $NAME: Dimension = Dimension::$NAME;)*
+        }
+
+        impl Dimension {
+            $($(#[$doc])+ pub const $NAME: Self = Self($powers);)*
+
+            /// Those with a name, each with the units that a user would write for it.
+            const NAMED: &[(Self, &str, &[&str])] = &[$((Self::$NAME, $name, &$units)),*];
+        }
+    };
 }
 
-/// The dimensions of quantities, by their short names.
-pub mod dimensions {
-    use super::Dimension;
-
-    pub const RATIO: Dimension = Dimension::RATIO;
-    pub const LENGTH: Dimension = Dimension::LENGTH;
-    pub const TIME: Dimension = Dimension::TIME;
-    pub const ANGLE: Dimension = Dimension::ANGLE;
-    pub const SPEED: Dimension = Dimension::SPEED;
-    pub const ACCELERATION: Dimension = Dimension::ACCELERATION;
-    pub const JERK: Dimension = Dimension::JERK;
-    pub const FREQUENCY: Dimension = Dimension::FREQUENCY;
-    pub const TURN_RATE: Dimension = Dimension::TURN_RATE;
+dimensions! {
+    /// A plain number.
+    RATIO = [0, 0, 0, 0], "plain number", [];
+    /// Metres.
+    LENGTH = [1, 0, 0, 0], "length", ["m", "km"];
+    /// Seconds.
+    TIME = [0, 1, 0, 0], "time", ["s", "ms"];
+    /// Radians.
+    ANGLE = [0, 0, 1, 0], "angle", ["deg", "rad"];
+    /// Kilograms.
+    MASS = [0, 0, 0, 1], "mass", ["kg"];
+    /// Metres per second.
+    SPEED = [1, -1, 0, 0], "speed", ["m/s", "km/h"];
+    /// Metres per second squared.
+    ACCELERATION = [1, -2, 0, 0], "acceleration", ["m/s^2"];
+    /// Metres per second cubed.
+    JERK = [1, -3, 0, 0], "jerk", ["m/s^3"];
+    /// Per second.
+    FREQUENCY = [0, -1, 0, 0], "frequency", ["Hz"];
+    /// Radians per second.
+    TURN_RATE = [0, -1, 1, 0], "turn rate", ["deg/s", "rad/s"];
 }
 
 impl Dimension {
-    const fn new(metre: i8, second: i8, radian: i8, kilogram: i8) -> Self {
-        Self { metre, second, radian, kilogram }
+    fn combined(mut self, other: Self, of: impl Fn(i8, i8) -> Option<i8>) -> Option<Self> {
+        for (own, other) in self.0.iter_mut().zip(other.0) {
+            *own = of(*own, other)?;
+        }
+        Some(self)
     }
-
-    /// A plain number.
-    pub const RATIO: Self = Self::new(0, 0, 0, 0);
-    /// Metres.
-    pub const LENGTH: Self = Self::new(1, 0, 0, 0);
-    /// Seconds.
-    pub const TIME: Self = Self::new(0, 1, 0, 0);
-    /// Radians.
-    pub const ANGLE: Self = Self::new(0, 0, 1, 0);
-    /// Kilograms.
-    pub const MASS: Self = Self::new(0, 0, 0, 1);
-    /// Metres per second.
-    pub const SPEED: Self = Self::new(1, -1, 0, 0);
-    /// Metres per second squared.
-    pub const ACCELERATION: Self = Self::new(1, -2, 0, 0);
-    /// Metres per second cubed.
-    pub const JERK: Self = Self::new(1, -3, 0, 0);
-    /// Per second.
-    pub const FREQUENCY: Self = Self::new(0, -1, 0, 0);
-    /// Radians per second.
-    pub const TURN_RATE: Self = Self::new(0, -1, 1, 0);
 
     /// The dimension of a product; `None` if a power leaves the range of a byte.
     pub fn times(self, other: Self) -> Option<Self> {
-        Some(Self {
-            metre: self.metre.checked_add(other.metre)?,
-            second: self.second.checked_add(other.second)?,
-            radian: self.radian.checked_add(other.radian)?,
-            kilogram: self.kilogram.checked_add(other.kilogram)?,
-        })
+        self.combined(other, i8::checked_add)
     }
 
     /// The dimension of a quotient; `None` if a power leaves the range of a byte.
@@ -73,67 +74,33 @@ impl Dimension {
 
     /// The dimension of a power; `None` if it leaves the range of a byte.
     pub fn to_the(self, power: i8) -> Option<Self> {
-        Some(Self {
-            metre: self.metre.checked_mul(power)?,
-            second: self.second.checked_mul(power)?,
-            radian: self.radian.checked_mul(power)?,
-            kilogram: self.kilogram.checked_mul(power)?,
-        })
+        self.combined(Self([power; 4]), i8::checked_mul)
     }
 
     /// The dimension of a square root; `None` if a power is odd.
     pub fn root(self) -> Option<Self> {
-        let half = |power: i8| (power % 2 == 0).then_some(power / 2);
-        Some(Self {
-            metre: half(self.metre)?,
-            second: half(self.second)?,
-            radian: half(self.radian)?,
-            kilogram: half(self.kilogram)?,
-        })
+        self.combined(self, |power, _| (power % 2 == 0).then_some(power / 2))
+    }
+
+    fn named(self) -> Option<&'static (Self, &'static str, &'static [&'static str])> {
+        Self::NAMED.iter().find(|(dimension, ..)| *dimension == self)
     }
 
     /// Units a user would write for it, the most common first; empty for dimensions without a name.
     pub fn usual_units(self) -> &'static [&'static str] {
-        match self {
-            Self::LENGTH => &["m", "km"],
-            Self::TIME => &["s", "ms"],
-            Self::ANGLE => &["deg", "rad"],
-            Self::MASS => &["kg"],
-            Self::SPEED => &["m/s", "km/h"],
-            Self::ACCELERATION => &["m/s^2"],
-            Self::JERK => &["m/s^3"],
-            Self::FREQUENCY => &["Hz"],
-            Self::TURN_RATE => &["deg/s", "rad/s"],
-            _ => &[],
-        }
+        self.named().map_or(&[], |(.., units)| units)
     }
 }
 
 /// Writes the dimension's name, or its powers when it has none.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = match *self {
-            Self::RATIO => "plain number",
-            Self::LENGTH => "length",
-            Self::TIME => "time",
-            Self::ANGLE => "angle",
-            Self::MASS => "mass",
-            Self::SPEED => "speed",
-            Self::ACCELERATION => "acceleration",
-            Self::JERK => "jerk",
-            Self::FREQUENCY => "frequency",
-            Self::TURN_RATE => "turn rate",
-            _ => {
-                let powers = [("m", self.metre), ("s", self.second), ("rad", self.radian), ("kg", self.kilogram)];
-                let text: Vec<String> = powers
-                    .iter()
-                    .filter(|(_, power)| *power != 0)
-                    .map(|(unit, power)| if *power == 1 { unit.to_string() } else { format!("{unit}^{power}") })
-                    .collect();
-                return write!(f, "quantity in {}", text.join(" "));
-            }
-        };
-        f.write_str(name)
+        if let Some((_, name, _)) = self.named() {
+            return f.write_str(name);
+        }
+        let powers = BASES.iter().zip(self.0).filter(|(_, power)| *power != 0);
+        let text = powers.map(|(base, power)| if power == 1 { base.to_string() } else { format!("{base}^{power}") });
+        write!(f, "quantity in {}", text.collect::<Vec<_>>().join(" "))
     }
 }
 

@@ -105,7 +105,6 @@ fn quantities(signature: &Signature, own: &Arguments, prefix: &str, maker: &Make
     signature.params.iter().filter_map(setting).collect()
 }
 
-/// Sensors that are exact in one respect.
 fn exact(model: &SensorModel, respect: Weakness) -> SensorModel {
     let mut model = model.clone();
     let keys = &mut model.keys;

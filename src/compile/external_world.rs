@@ -122,7 +122,6 @@ pub struct Staging<'a> {
     pub world: Option<(&'a str, &'a ExternalWorld)>,
     /// The driver, and of a driver of the other simulator its name there.
     pub driver: (&'a str, Option<&'a str>),
-    /// The towns with their names.
     pub towns: Vec<(&'a str, &'a Town)>,
     /// Whether the cast has further cars.
     pub has_cars: bool,

@@ -111,16 +111,13 @@ pub struct Published {
 /// A cell of a published table: it is compared with every cell of ours with one of these rewards, towns and policies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PublishedCell {
-    /// Names of rewards.
     pub rewards: Vec<String>,
-    /// Names of towns.
     pub towns: Vec<String>,
     /// Names of drivers.
     pub policies: Vec<String>,
     pub figures: Vec<PublishedFigure>,
 }
 
-/// A published figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PublishedFigure {
     /// Our column for it, without `_mean`.

@@ -26,7 +26,6 @@ pub fn form() -> Form {
     Form::plain(RequirementKeys::signature())
 }
 
-/// The requirement of a declaration.
 pub fn named(declaration: &Declaration) -> NamedRequirement {
     let RequirementKeys { formula: requirement, priority } = declaration.block.keys();
     NamedRequirement { name: declaration.name.as_str().into(), priority, requirement }

@@ -98,6 +98,7 @@ struct Car {
     place: Placement,
 }
 
+#[derive(Clone)]
 struct Walking {
     name: Arc<str>,
     adversary: Option<PedestrianRole>,
@@ -477,15 +478,7 @@ impl Lowering<'_> {
             };
             let adversary = keys.body.map(|id| self.adversary(id).value);
             let member = Walking { name, adversary, controller, place };
-            for _ in 1..each.count {
-                roles.pedestrians.push(Walking {
-                    name: member.name.clone(),
-                    adversary: member.adversary.clone(),
-                    controller: member.controller.clone(),
-                    place: member.place.clone(),
-                });
-            }
-            roles.pedestrians.push(member);
+            roles.pedestrians.extend(std::iter::repeat_n(member, each.count as usize));
         }
         for each in driving {
             let keys: CarKeys = each.declaration.block.keys();

@@ -47,7 +47,6 @@ fn bound(condition: &Formula, vocabulary: &Vocabulary) -> Option<(&'static str, 
     (low == high).then(|| (vocabulary.variables[id.0].name, operator, low))
 }
 
-/// Whether a condition names a variable.
 pub(super) fn names(condition: &Formula, vocabulary: &Vocabulary, variable: &str) -> bool {
     condition.mentions(&|id| vocabulary.variables[id.0].name == variable)
 }

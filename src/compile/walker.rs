@@ -43,7 +43,6 @@ impl WalkerKind {
         Self { draws: true, ..self }
     }
 
-    /// Its word.
     pub(super) fn word(&self) -> &'static str {
         self.falsifier.signature.name
     }

@@ -13,15 +13,11 @@ use std::collections::BTreeMap;
 use super::episode::{Actor, Motion, Shape};
 use super::lane_bounds::lane_bounds;
 use super::opendrive::lane_of;
-use super::xml::{Short, Xml};
+use super::xml::{Short, Xml, attributes};
 use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
 use road::geometry::{OrientedBox, Point, Pose, wrap_angle};
 use road::{LaneKind, RoadIndex, Town, TrafficLight, Waypoint};
 use world::sim::LightColour;
-
-/// The exporter of CommonRoad scenarios.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CommonRoad;
 
 const NAME: &str = "commonroad";
 /// The maximum distance between two points of a bound (m).
@@ -36,35 +32,24 @@ const AFTERWARDS: f64 = 10.0;
 /// The lane of a road's section: road, section, lane.
 type Key = (u32, u32, i32);
 
-impl Exporter for CommonRoad {
-    fn name(&self) -> &'static str {
-        NAME
-    }
+pub(super) const COMMONROAD: Exporter = Exporter {
+    name: NAME,
+    about: "CommonRoad 2020a XML: lanelets, lights, the others, and the ego's start as a planning problem",
+    approximates: APPROXIMATES,
+    usual_ego: EgoDriver::User,
+    holds: |variant| variant.walking == Walking::Recorded,
+    files,
+};
 
-    fn about(&self) -> &'static str {
-        "CommonRoad 2020a XML: lanelets, lights, the others, and the ego's start as a planning problem"
-    }
+const APPROXIMATES: &str = "lanes are polylines with a point every 2 m; sidewalks and signs are left out; lights change at ticks; with the recorded ego there is no planning problem";
 
-    fn approximates(&self) -> &'static str {
-        "lanes are polylines with a point every 2 m; sidewalks and signs are left out; lights change at ticks; with the recorded ego there is no planning problem"
+fn files(episode: &Episode<'_>, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
+    if variant.ego == EgoDriver::User {
+        episode.without_friction(NAME)?;
+        start_is_free(episode)?;
     }
-
-    fn usual_ego(&self) -> EgoDriver {
-        EgoDriver::User
-    }
-
-    fn holds(&self, variant: Variant) -> bool {
-        variant.walking == Walking::Recorded
-    }
-
-    fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        if variant.ego == EgoDriver::User {
-            episode.without_friction(NAME)?;
-            start_is_free(episode)?;
-        }
-        let text = document(episode, variant.ego);
-        Ok(vec![ExportFile { name: format!("{}.commonroad.xml", episode.stem()), bytes: text.into_bytes() }])
-    }
+    let text = document(episode, variant.ego);
+    Ok(vec![ExportFile { name: format!("{}.commonroad.xml", episode.stem()), bytes: text.into_bytes() }])
 }
 
 /// Checks that the ego's start is free.
@@ -99,25 +84,20 @@ fn document(episode: &Episode, ego: EgoDriver) -> String {
     let lights = lights(episode, lanes.len());
     let id = benchmark_id(episode.name, ego);
     let dt = Short(episode.dt());
-    let source = format!("{}; approximated: {}", episode.summary(), CommonRoad.approximates());
+    let source = format!("{}; approximated: {}", episode.summary(), APPROXIMATES);
     Xml::document(
         "commonRoad",
-        &[
-            ("timeStepSize", &dt),
-            ("commonRoadVersion", &"2020a"),
-            ("author", &AUTHOR),
-            ("affiliation", &"falsify"),
-            ("source", &source),
-            ("benchmarkID", &id),
-            ("date", &&DATE[..10]),
-        ],
+        attributes! {
+            timeStepSize: dt, commonRoadVersion: "2020a", author: AUTHOR, affiliation: "falsify",
+            source, benchmarkID: id, date: &DATE[..10],
+        },
         |xml| {
-            xml.element("location", &[], |xml| {
+            xml.within(&["location"], |xml| {
                 xml.text("geoNameId", &-999);
                 xml.text("gpsLatitude", &999);
                 xml.text("gpsLongitude", &999);
             });
-            xml.element("scenarioTags", &[], |xml| {
+            xml.within(&["scenarioTags"], |xml| {
                 xml.empty("urban", &[]);
                 xml.empty("simulated", &[]);
             });
@@ -198,7 +178,7 @@ fn write_lanelet(
     }
     xml.element("lanelet", &[("id", &number)], |xml| {
         for (name, bound) in ["leftBound", "rightBound"].into_iter().zip(&bounds) {
-            xml.element(name, &[], |xml| bound.iter().for_each(|place| write_joint(xml, place)));
+            xml.within(&[name], |xml| bound.iter().for_each(|place| write_joint(xml, place)));
         }
         let middle = at((range.start + range.end) / 2.0);
         for before in town.predecessors(middle).filter_map(|lane| lanes.get(&key(&lane))) {
@@ -223,9 +203,9 @@ fn write_lanelet(
 /// A light stands at the end of its lanelet, and holds its colours from the first tick on.
 fn write_light(xml: &mut Xml, episode: &Episode, number: usize, light: &TrafficLight) {
     xml.element("trafficLight", &[("id", &number)], |xml| {
-        xml.element("cycle", &[], |xml| {
+        xml.within(&["cycle"], |xml| {
             for (colour, ticks) in episode.phases(light) {
-                xml.element("cycleElement", &[], |xml| {
+                xml.within(&["cycleElement"], |xml| {
                     xml.text("duration", &ticks);
                     let colour = match colour {
                         LightColour::Green => "green",
@@ -236,7 +216,7 @@ fn write_light(xml: &mut Xml, episode: &Episode, number: usize, light: &TrafficL
                 });
             }
         });
-        xml.element("position", &[], |xml| write_point(xml, &light.stop.position()));
+        xml.within(&["position"], |xml| write_point(xml, &light.stop.position()));
         xml.text("active", &true);
     });
 }
@@ -252,59 +232,50 @@ fn write_joint(xml: &mut Xml, place: &Point) {
 }
 
 fn write_point(xml: &mut Xml, place: &Point) {
-    xml.element("point", &[], |xml| {
+    xml.within(&["point"], |xml| {
         xml.text("x", &Short(place.x));
         xml.text("y", &Short(place.y));
     });
 }
 
 fn write_exact(xml: &mut Xml, name: &str, value: f64) {
-    xml.element(name, &[], |xml| xml.text("exact", &Short(value)));
+    xml.within(&[name], |xml| xml.text("exact", &Short(value)));
 }
 
 fn write_static(xml: &mut Xml, number: usize, obstacle: &OrientedBox) {
     xml.element("staticObstacle", &[("id", &number)], |xml| {
         xml.text("type", &"unknown");
         write_rectangle(xml, 2.0 * obstacle.half.x, 2.0 * obstacle.half.y);
-        xml.element("initialState", &[], |xml| {
-            xml.element("position", &[], |xml| write_point(xml, &obstacle.pose.position()));
+        xml.within(&["initialState"], |xml| {
+            xml.within(&["position"], |xml| write_point(xml, &obstacle.pose.position()));
             write_exact(xml, "orientation", obstacle.pose.yaw);
-            xml.element("time", &[], |xml| xml.text("exact", &0));
+            xml.within(&["time"], |xml| xml.text("exact", &0));
         });
     });
 }
 
 fn write_rectangle(xml: &mut Xml, length: f64, width: f64) {
-    xml.element("shape", &[], |xml| {
-        xml.element("rectangle", &[], |xml| {
-            xml.text("length", &Short(length));
-            xml.text("width", &Short(width));
-        });
+    xml.within(&["shape", "rectangle"], |xml| {
+        xml.text("length", &Short(length));
+        xml.text("width", &Short(width));
     });
 }
 
 fn write_dynamic(xml: &mut Xml, number: usize, actor: &Actor) {
     xml.element("dynamicObstacle", &[("id", &number)], |xml| {
+        let is_car = matches!(actor.shape, Shape::Vehicle(_));
+        xml.text("type", if is_car { &"car" } else { &"pedestrian" });
         match actor.shape {
-            Shape::Vehicle(_) => {
-                let [length, width, _] = actor.size();
-                xml.text("type", &"car");
-                write_rectangle(xml, length, width);
+            Shape::Pedestrian(body) if body.target_box.is_none() => {
+                xml.within(&["shape", "circle"], |xml| xml.text("radius", &Short(body.radius)));
             }
-            Shape::Pedestrian(body) if body.target_box.is_some() => {
+            _ => {
                 let [length, width, _] = actor.size();
-                xml.text("type", &"pedestrian");
                 write_rectangle(xml, length, width);
-            }
-            Shape::Pedestrian(body) => {
-                xml.text("type", &"pedestrian");
-                xml.element("shape", &[], |xml| {
-                    xml.element("circle", &[], |xml| xml.text("radius", &Short(body.radius)));
-                });
             }
         }
         write_state(xml, "initialState", 0, &actor.track[0], true);
-        xml.element("trajectory", &[], |xml| {
+        xml.within(&["trajectory"], |xml| {
             for (tick, motion) in actor.track.iter().enumerate().skip(1) {
                 write_state(xml, "state", tick, motion, false);
             }
@@ -313,10 +284,10 @@ fn write_dynamic(xml: &mut Xml, number: usize, actor: &Actor) {
 }
 
 fn write_state(xml: &mut Xml, name: &str, tick: usize, motion: &Motion, first: bool) {
-    xml.element(name, &[], |xml| {
-        xml.element("position", &[], |xml| write_point(xml, &motion.pose.position()));
+    xml.within(&[name], |xml| {
+        xml.within(&["position"], |xml| write_point(xml, &motion.pose.position()));
         write_exact(xml, "orientation", motion.pose.yaw);
-        xml.element("time", &[], |xml| xml.text("exact", &tick));
+        xml.within(&["time"], |xml| xml.text("exact", &tick));
         write_exact(xml, "velocity", motion.velocity.norm());
         if first {
             ["acceleration", "yawRate", "slipAngle"].into_iter().for_each(|name| write_exact(xml, name, 0.0));
@@ -339,19 +310,17 @@ fn write_goal(xml: &mut Xml, episode: &Episode, ego: &Actor) {
     let (place, width) = goal(&episode.scenario.town, &last.pose);
     let cycles = episode.lights().iter().filter_map(|light| Some(episode.trace.lights()?.period(light)));
     let patience = AFTERWARDS + cycles.fold(0.0, f64::max);
-    xml.element("goalState", &[], |xml| {
-        xml.element("position", &[], |xml| {
-            xml.element("rectangle", &[], |xml| {
-                xml.text("length", &Short(GOAL[0]));
-                xml.text("width", &Short(width));
-                xml.text("orientation", &Short(place.yaw));
-                xml.element("center", &[], |xml| {
-                    xml.text("x", &Short(place.x));
-                    xml.text("y", &Short(place.y));
-                });
+    xml.within(&["goalState"], |xml| {
+        xml.within(&["position", "rectangle"], |xml| {
+            xml.text("length", &Short(GOAL[0]));
+            xml.text("width", &Short(width));
+            xml.text("orientation", &Short(place.yaw));
+            xml.within(&["center"], |xml| {
+                xml.text("x", &Short(place.x));
+                xml.text("y", &Short(place.y));
             });
         });
-        xml.element("time", &[], |xml| {
+        xml.within(&["time"], |xml| {
             xml.text("intervalStart", &0);
             xml.text("intervalEnd", &(episode.ticks() + episode.ticks_in(patience)));
         });

@@ -17,11 +17,6 @@ use road::geometry::{OrientedBox, Point};
 use road::{LaneKind, RoadIndex, Town, Waypoint};
 use world::sim::ActorId;
 
-/// The exporter of recordings for Foxglove.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Foxglove;
-
-const NAME: &str = "foxglove";
 /// The frame of all coordinates.
 const FRAME: &str = "town";
 /// The maximum distance between two points of a lane's edge (m).
@@ -50,49 +45,44 @@ struct Measures {
     in_sight: bool,
 }
 
-impl Exporter for Foxglove {
-    fn name(&self) -> &'static str {
-        NAME
-    }
+pub(super) const FOXGLOVE: Exporter = Exporter {
+    name: "foxglove",
+    about: "MCAP with foxglove.SceneUpdate messages, for Foxglove and Lichtblick",
+    approximates: APPROXIMATES,
+    files,
+    ..Exporter::RECORDED
+};
 
-    fn about(&self) -> &'static str {
-        "MCAP with foxglove.SceneUpdate messages, for Foxglove and Lichtblick"
-    }
+const APPROXIMATES: &str = "edges of lanes are polylines with a point every 2 m; signs and lights are left out";
 
-    fn approximates(&self) -> &'static str {
-        "edges of lanes are polylines with a point every 2 m; signs and lights are left out"
-    }
-
-    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        let mut recording = Recording::new();
-        let about =
-            [("episode", episode.name), ("summary", &*episode.summary()), ("approximated", self.approximates())];
-        recording.metadata("falsify", &about);
-        let scene = scene_schema();
-        let town = open(&mut recording, "/town", "foxglove.SceneUpdate", &scene);
-        let moving = open(&mut recording, "/actors", "foxglove.SceneUpdate", &scene);
-        let measures = open(&mut recording, "/measures", "falsify.Measures", &measures_schema());
-        let mut write = |channel: ChannelId, time: u64, message: &Value| {
-            recording.message(channel, time, message.to_string().as_bytes());
+fn files(episode: &Episode<'_>, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
+    let mut recording = Recording::new();
+    let about = [("episode", episode.name), ("summary", &*episode.summary()), ("approximated", APPROXIMATES)];
+    recording.metadata("falsify", &about);
+    let scene = scene_schema();
+    let town = open(&mut recording, "/town", "foxglove.SceneUpdate", &scene);
+    let moving = open(&mut recording, "/actors", "foxglove.SceneUpdate", &scene);
+    let measures = open(&mut recording, "/measures", "falsify.Measures", &measures_schema());
+    let mut write = |channel: ChannelId, time: u64, message: &Value| {
+        recording.message(channel, time, message.to_string().as_bytes());
+    };
+    let actors = episode.actors();
+    write(town, 0, &update(town_entities(&episode.scenario.town)));
+    let pedestrian = episode.main_pedestrian() - episode.scenario.cast.vehicles.len();
+    let pair = episode.trace.pair(episode.scenario, 0, pedestrian);
+    for (tick, frame) in pair.frames().enumerate() {
+        let time = episode.nanos(tick);
+        let entities = actors.iter().map(|actor| actor_entity(actor, &actor.track[tick], time)).collect();
+        write(moving, time, &update(entities));
+        let now = Measures {
+            gap_m: short(pair.gap(&frame)),
+            ego_speed_mps: short(frame.ego.speed),
+            pedestrian_speed_mps: short(frame.pedestrian.velocity.norm()),
+            in_sight: pair.in_sight(&frame),
         };
-        let actors = episode.actors();
-        write(town, 0, &update(town_entities(&episode.scenario.town)));
-        let pedestrian = episode.main_pedestrian() - episode.scenario.cast.vehicles.len();
-        let pair = episode.trace.pair(episode.scenario, 0, pedestrian);
-        for (tick, frame) in pair.frames().enumerate() {
-            let time = episode.nanos(tick);
-            let entities = actors.iter().map(|actor| actor_entity(actor, &actor.track[tick], time)).collect();
-            write(moving, time, &update(entities));
-            let now = Measures {
-                gap_m: short(pair.gap(&frame)),
-                ego_speed_mps: short(frame.ego.speed),
-                pedestrian_speed_mps: short(frame.pedestrian.velocity.norm()),
-                in_sight: pair.in_sight(&frame),
-            };
-            write(measures, time, &json!(now));
-        }
-        Ok(vec![ExportFile { name: format!("{}.foxglove.mcap", episode.stem()), bytes: recording.finish() }])
+        write(measures, time, &json!(now));
     }
+    Ok(vec![ExportFile { name: format!("{}.foxglove.mcap", episode.stem()), bytes: recording.finish() }])
 }
 
 fn open(recording: &mut Recording, topic: &str, schema: &str, data: &Value) -> ChannelId {
@@ -115,7 +105,6 @@ fn update(entities: Vec<Value>) -> Value {
     json!({ "deletions": [], "entities": entities })
 }
 
-/// An entity whose primitives are in one list.
 fn entity(name: &str, time: u64, primitives: &str, list: Vec<Value>) -> Value {
     let mut entity = json!({
         "timestamp": { "sec": time / 1_000_000_000, "nsec": time % 1_000_000_000 },

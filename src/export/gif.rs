@@ -9,11 +9,7 @@ use ::gif::{Encoder, Frame, Repeat};
 
 use super::canvas::Colour;
 use super::film::{COLOURS, Film, SIZE};
-use super::{Episode, ExportError, ExportFile, Exporter, Variant};
-
-/// The exporter of GIF.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Gif;
+use super::{ExportError, ExportFile, Exporter};
 
 const NAME: &str = "gif";
 /// Steps from one colour to another in the palette.
@@ -21,25 +17,17 @@ const STEPS: u16 = 4;
 /// Bits of a channel by which the nearest colour of the palette is looked up.
 const BITS: u32 = 5;
 
-impl Exporter for Gif {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn about(&self) -> &'static str {
-        "an animated picture from above, for slides and chats"
-    }
-
-    fn approximates(&self) -> &'static str {
-        "the last 12 s; a small pedestrian is drawn with a radius of 5 pixels"
-    }
-
-    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
+pub(super) const GIF: Exporter = Exporter {
+    name: NAME,
+    about: "an animated picture from above, for slides and chats",
+    approximates: "the last 12 s; a small pedestrian is drawn with a radius of 5 pixels",
+    files: |episode, _| {
         let bytes = encode(&Film::new(episode))
             .map_err(|error| ExportError::Encoding { format: NAME, source: io::Error::other(error) })?;
         Ok(vec![ExportFile { name: format!("{}.gif", episode.stem()), bytes }])
-    }
-}
+    },
+    ..Exporter::RECORDED
+};
 
 fn encode(film: &Film) -> Result<Vec<u8>, ::gif::EncodingError> {
     let mut palette = Palette::new();

@@ -26,14 +26,6 @@ pub use episode::Episode;
 pub use error::ExportError;
 pub use opendrive::town;
 
-use crate::carla::Carla;
-use crate::commonroad::CommonRoad;
-use crate::foxglove::Foxglove;
-use crate::gif::Gif;
-use crate::opendrive::OpenDrive;
-use crate::openscenario::{OpenScenario, Version};
-use crate::osi::Osi;
-
 /// The date in the files (ISO 8601). It is that of the first writer, so that the same episode gives the same bytes at any time.
 const DATE: &str = "2026-11-22T00:00:00";
 
@@ -41,31 +33,32 @@ const DATE: &str = "2026-11-22T00:00:00";
 const AUTHOR: &str = concat!("falsify ", env!("CARGO_PKG_VERSION"));
 
 /// A format.
-pub trait Exporter: Sync {
+#[derive(Debug)]
+pub struct Exporter {
     /// The name on the command line.
-    fn name(&self) -> &'static str;
-
+    pub name: &'static str,
     /// The format and its use, in a line.
-    fn about(&self) -> &'static str;
-
+    pub about: &'static str,
     /// What differs from the episode in the simulator, in a line.
-    fn approximates(&self) -> &'static str;
-
+    pub approximates: &'static str,
     /// The driver of the ego unless the user chooses one.
-    fn usual_ego(&self) -> EgoDriver {
-        EgoDriver::Recorded
-    }
-
+    pub usual_ego: EgoDriver,
     /// Whether the format can hold these parts of an episode.
-    fn holds(&self, variant: Variant) -> bool {
-        variant == Variant::default()
-    }
+    pub holds: fn(Variant) -> bool,
+    /// Makes the files of an episode. The first one is the one to open. An error names a part of the episode that the format cannot hold.
+    pub files: fn(&Episode<'_>, Variant) -> Result<Vec<ExportFile>, ExportError>,
+}
 
-    /// Makes the files of an episode. The first one is the one to open.
-    ///
-    /// # Errors
-    /// A part of the episode that the format cannot hold.
-    fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError>;
+impl Exporter {
+    /// A format without a name that holds recorded tracks.
+    pub const RECORDED: Self = Self {
+        name: "",
+        about: "",
+        approximates: "nothing",
+        usual_ego: EgoDriver::Recorded,
+        holds: |variant| variant.ego == EgoDriver::Recorded && variant.walking == Walking::Recorded,
+        files: |_, _| Ok(Vec::new()),
+    };
 }
 
 /// The parts of the recorded episode that an export repeats.
@@ -90,7 +83,6 @@ pub enum EgoDriver {
 /// The time at which the pedestrians of an export walk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Walking {
-    /// The recorded one.
     #[default]
     Recorded,
     /// As soon as the ego is as near as it was when the pedestrian of the verdict set off. A pedestrian that walks from the first tick on
@@ -98,7 +90,6 @@ pub enum Walking {
     Released,
 }
 
-/// A file of an export.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportFile {
     /// Its name, without a folder.
@@ -108,37 +99,37 @@ pub struct ExportFile {
 }
 
 /// All formats.
-pub const EXPORTERS: &[&dyn Exporter] = &[
-    &OpenScenario(Version::V1_3),
-    &OpenScenario(Version::V1_0),
-    &OpenDrive,
-    &Osi,
-    &Foxglove,
-    &CommonRoad,
-    &Carla,
-    &Gif,
+pub const EXPORTERS: [&Exporter; 8] = [
+    &openscenario::XOSC_1_3,
+    &openscenario::XOSC_1_0,
+    &opendrive::XODR,
+    &osi::OSI,
+    &foxglove::FOXGLOVE,
+    &commonroad::COMMONROAD,
+    &carla::CARLA,
+    &gif::GIF,
 ];
 
 /// The format with this name.
-pub fn exporter(name: &str) -> Option<&'static dyn Exporter> {
-    EXPORTERS.iter().copied().find(|exporter| exporter.name() == name)
+pub fn exporter(name: &str) -> Option<&'static Exporter> {
+    EXPORTERS.into_iter().find(|exporter| exporter.name == name)
 }
 
 /// Makes the files of an episode in a format.
 ///
 /// # Errors
-/// Those of [`Exporter::export`], and a variant that the format does not have.
-pub fn export(exporter: &dyn Exporter, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
+/// Those of [`Exporter::files`], and a variant that the format does not have.
+pub fn export(exporter: &Exporter, episode: &Episode<'_>, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
     if episode.ticks() == 0 {
         let what = "an episode without a tick".to_owned();
-        return Err(ExportError::NotRepresentable { format: exporter.name(), what });
+        return Err(ExportError::NotRepresentable { format: exporter.name, what });
     }
-    if !exporter.holds(variant) {
-        let what = match exporter.holds(Variant { walking: Walking::Recorded, ..variant }) {
+    if !(exporter.holds)(variant) {
+        let what = match (exporter.holds)(Variant { walking: Walking::Recorded, ..variant }) {
             true => "pedestrians that are released: they walk at the recorded times",
             false => "an ego that the user drives, or pedestrians that are released: it holds the recorded tracks",
         };
-        return Err(ExportError::NotRepresentable { format: exporter.name(), what: what.to_owned() });
+        return Err(ExportError::NotRepresentable { format: exporter.name, what: what.to_owned() });
     }
-    exporter.export(episode, variant)
+    (exporter.files)(episode, variant)
 }

@@ -7,21 +7,16 @@
 //! ASAM OpenDRIVE 1.7.0.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
 
 use super::episode::OBSTACLE_HEIGHT;
-use super::xml::{Short, Xml};
-use super::{AUTHOR, DATE, Episode, ExportError, ExportFile, Exporter, Variant};
+use super::xml::{Attributes, Short, Xml, attributes};
+use super::{AUTHOR, DATE, ExportError, ExportFile, Exporter};
 use road::geometry::{OrientedBox, Point, Pose, wrap_angle};
 use road::opendrive::{Addition, OBSTACLE, TRIGGER};
 use road::{
     Cubic, Geometry, Junction, JunctionIndex, Lane, LaneFilter, LaneKind, LaneSection, Profile, Road, RoadEnd,
     RoadIndex, RoadLink, Shape, SpeedSign, Town, TownParts, TrafficLight, Waypoint, opendrive,
 };
-
-/// The exporter of the map of an episode.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct OpenDrive;
 
 const NAME: &str = "xodr";
 /// The height of signs and lights above the road (m).
@@ -35,23 +30,13 @@ const SPEED_LIMIT: &str = "274";
 const BUS_STOP: &str = "224";
 const LIGHT: &str = "1000001";
 
-impl Exporter for OpenDrive {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn about(&self) -> &'static str {
-        "the OpenDRIVE map alone: the file of a town that has one, OpenDRIVE 1.7 for a designed town"
-    }
-
-    fn approximates(&self) -> &'static str {
-        "obstacles get a height of 3 m"
-    }
-
-    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        Ok(vec![map_file(&episode.scenario.town)?])
-    }
-}
+pub(super) const XODR: Exporter = Exporter {
+    name: NAME,
+    about: "the OpenDRIVE map alone: the file of a town that has one, OpenDRIVE 1.7 for a designed town",
+    approximates: "obstacles get a height of 3 m",
+    files: |episode, _| Ok(vec![map_file(&episode.scenario.town)?]),
+    ..Exporter::RECORDED
+};
 
 /// The map of a town as a file. Its name has a digest, so that failures of one town share it and towns of one name do not.
 pub(super) fn map_file(of: &Town) -> Result<ExportFile, ExportError> {
@@ -119,9 +104,7 @@ struct Beside {
 fn document(town: &Town) -> String {
     let mut beside = vec![Beside::default(); town.roads.len()];
     let mut at = |place: Option<Waypoint>, add: &dyn Fn(&mut Beside, Waypoint)| {
-        if let Some(place) = place {
-            add(&mut beside[place.road.0 as usize], place);
-        }
+        place.into_iter().for_each(|place| add(&mut beside[place.road.0 as usize], place));
     };
     for (number, obstacle) in town.obstacles.iter().enumerate() {
         at(place(town, obstacle.pose.position()), &|beside, place| beside.obstacles.push((number, place)));
@@ -143,18 +126,10 @@ fn document(town: &Town) -> String {
         let [south, west, north, east] = [low.y, low.x, high.y, high.x].map(Short);
         xml.empty(
             "header",
-            &[
-                ("revMajor", &1),
-                ("revMinor", &7),
-                ("name", &town.name),
-                ("version", &"1.00"),
-                ("date", &DATE),
-                ("north", &north),
-                ("south", &south),
-                ("east", &east),
-                ("west", &west),
-                ("vendor", &AUTHOR),
-            ],
+            attributes! {
+                revMajor: 1, revMinor: 7, name: town.name, version: "1.00", date: DATE, north,
+                south, east, west, vendor: AUTHOR,
+            },
         );
         for (index, (road, beside)) in town.roads.iter().zip(&beside).enumerate() {
             write_road(xml, town, RoadIndex(index as u32), road, beside);
@@ -191,57 +166,53 @@ fn write_road(xml: &mut Xml, town: &Town, index: RoadIndex, road: &Road, beside:
     let junction =
         road.junction.map_or(-1, |junction| i64::from(junction_number(town, &town.junctions[junction.0 as usize])));
     let rule = if road.left_hand { "LHT" } else { "RHT" };
-    xml.element(
-        "road",
-        &[("name", &road.name), ("length", &road.length), ("id", &road.id), ("junction", &junction), ("rule", &rule)],
-        |xml| {
-            xml.element("link", &[], |xml| {
-                write_link(xml, town, "predecessor", road.predecessor);
-                write_link(xml, town, "successor", road.successor);
+    xml.element("road", attributes! { name: road.name, length: road.length, id: road.id, junction, rule }, |xml| {
+        xml.within(&["link"], |xml| {
+            write_link(xml, town, "predecessor", road.predecessor);
+            write_link(xml, town, "successor", road.successor);
+        });
+        xml.empty("type", &[("s", &0), ("type", &"town")]);
+        xml.within(&["planView"], |xml| {
+            pieces(road).iter().for_each(|piece| write_piece(xml, piece));
+        });
+        let heights = road.plan_view.elevation().cubics();
+        if !heights.is_empty() {
+            xml.within(&["elevationProfile"], |xml| {
+                heights.iter().for_each(|cubic| write_cubic(xml, "elevation", "s", 0.0, cubic));
             });
-            xml.empty("type", &[("s", &0), ("type", &"town")]);
-            xml.element("planView", &[], |xml| {
-                pieces(road).iter().for_each(|piece| write_piece(xml, piece));
-            });
-            let heights = road.plan_view.elevation().cubics();
-            if !heights.is_empty() {
-                xml.element("elevationProfile", &[], |xml| {
-                    heights.iter().for_each(|cubic| write_cubic(xml, "elevation", "s", 0.0, cubic));
-                });
+        }
+        xml.within(&["lanes"], |xml| {
+            for cubic in road.lane_offset.cubics() {
+                write_cubic(xml, "laneOffset", "s", 0.0, cubic);
             }
-            xml.element("lanes", &[], |xml| {
-                for cubic in road.lane_offset.cubics() {
-                    write_cubic(xml, "laneOffset", "s", 0.0, cubic);
+            for section in &road.sections {
+                write_section(xml, road, section);
+            }
+        });
+        if !beside.obstacles.is_empty() || !beside.crosswalks.is_empty() {
+            xml.within(&["objects"], |xml| {
+                for (number, place) in &beside.obstacles {
+                    write_obstacle(xml, town, *place, *number, &town.obstacles[*number]);
                 }
-                for section in &road.sections {
-                    write_section(xml, road, section);
+                for number in &beside.crosswalks {
+                    write_crosswalk(xml, road, *number, &town.crosswalks[*number]);
                 }
             });
-            if !beside.obstacles.is_empty() || !beside.crosswalks.is_empty() {
-                xml.element("objects", &[], |xml| {
-                    for (number, place) in &beside.obstacles {
-                        write_obstacle(xml, town, *place, *number, &town.obstacles[*number]);
-                    }
-                    for number in &beside.crosswalks {
-                        write_crosswalk(xml, road, *number, &town.crosswalks[*number]);
-                    }
-                });
-            }
-            if !beside.signs.is_empty() || !beside.lights.is_empty() || !beside.stops.is_empty() {
-                xml.element("signals", &[], |xml| {
-                    for (number, place) in &beside.signs {
-                        write_sign(xml, town, *place, *number, &town.speed_signs[*number]);
-                    }
-                    for (number, place) in &beside.lights {
-                        write_light(xml, town, index, *place, *number);
-                    }
-                    for (number, place) in &beside.stops {
-                        write_bus_stop(xml, road, place.s, *number, town.bus_stops[*number]);
-                    }
-                });
-            }
-        },
-    );
+        }
+        if !beside.signs.is_empty() || !beside.lights.is_empty() || !beside.stops.is_empty() {
+            xml.within(&["signals"], |xml| {
+                for (number, place) in &beside.signs {
+                    write_sign(xml, town, *place, *number, &town.speed_signs[*number]);
+                }
+                for (number, place) in &beside.lights {
+                    write_light(xml, town, index, *place, *number);
+                }
+                for (number, place) in &beside.stops {
+                    write_bus_stop(xml, road, place.s, *number, town.bus_stops[*number]);
+                }
+            });
+        }
+    });
 }
 
 fn end_name(end: RoadEnd) -> &'static str {
@@ -255,7 +226,7 @@ fn write_link(xml: &mut Xml, town: &Town, name: &str, link: Option<RoadLink>) {
     match link {
         Some(RoadLink::Road(road, end)) => {
             let id = town.roads[road.0 as usize].id;
-            xml.empty(name, &[("elementType", &"road"), ("elementId", &id), ("contactPoint", &end_name(end))]);
+            xml.empty(name, attributes! { elementType: "road", elementId: id, contactPoint: end_name(end) });
         }
         Some(RoadLink::Junction(junction)) => {
             let id = junction_number(town, &town.junctions[junction.0 as usize]);
@@ -283,31 +254,21 @@ fn pieces(road: &Road) -> Vec<Geometry> {
 
 fn write_piece(xml: &mut Xml, piece: &Geometry) {
     let Pose { x, y, yaw } = piece.start;
-    let attributes: [(&str, &dyn Display); 5] =
-        [("s", &piece.s), ("x", &x), ("y", &y), ("hdg", &yaw), ("length", &piece.length)];
-    xml.element("geometry", &attributes, |xml| match piece.shape {
-        Shape::Line => xml.empty("line", &[]),
-        Shape::Arc(curvature) => xml.empty("arc", &[("curvature", &curvature)]),
-        Shape::Spiral(first, last) => xml.empty("spiral", &[("curvStart", &first), ("curvEnd", &last)]),
-        Shape::Poly3([a, b, c, d]) => xml.empty("poly3", &[("a", &a), ("b", &b), ("c", &c), ("d", &d)]),
-        Shape::ParamPoly3 { u, v, normalized } => {
-            let range = if normalized { "normalized" } else { "arcLength" };
-            let [a, b, c, d] = u;
-            let [e, f, g, h] = v;
-            xml.empty(
-                "paramPoly3",
-                &[
-                    ("aU", &a),
-                    ("bU", &b),
-                    ("cU", &c),
-                    ("dU", &d),
-                    ("aV", &e),
-                    ("bV", &f),
-                    ("cV", &g),
-                    ("dV", &h),
-                    ("pRange", &range),
-                ],
-            );
+    xml.element("geometry", attributes! { s: piece.s, x, y, hdg: yaw, length: piece.length }, |xml| {
+        match piece.shape {
+            Shape::Line => xml.empty("line", &[]),
+            Shape::Arc(curvature) => xml.empty("arc", &[("curvature", &curvature)]),
+            Shape::Spiral(first, last) => xml.empty("spiral", &[("curvStart", &first), ("curvEnd", &last)]),
+            Shape::Poly3([a, b, c, d]) => xml.empty("poly3", attributes! { a, b, c, d }),
+            Shape::ParamPoly3 { u, v, normalized } => {
+                let range = if normalized { "normalized" } else { "arcLength" };
+                xml.empty(
+                    "paramPoly3",
+                    attributes! {
+                        aU: u[0], bU: u[1], cU: u[2], dU: u[3], aV: v[0], bV: v[1], cV: v[2], dV: v[3], pRange: range,
+                    },
+                );
+            }
         }
     });
 }
@@ -323,7 +284,7 @@ fn write_section(xml: &mut Xml, road: &Road, section: &LaneSection) {
         for (side, number) in [("left", 1), ("center", 0), ("right", -1)] {
             let lanes: Vec<&Lane> = section.lanes.iter().filter(|lane| lane.id.signum() == number).collect();
             if lanes.is_empty() && number == 0 {
-                xml.element(side, &[], |xml| xml.empty("lane", &[("id", &0), ("type", &"none"), ("level", &false)]));
+                xml.within(&[side], |xml| xml.empty("lane", attributes! { id: 0, type: "none", level: false }));
             } else if !lanes.is_empty() {
                 xml.element(side, &[], |xml| {
                     lanes.iter().for_each(|lane| write_lane(xml, road, section, lane));
@@ -334,15 +295,11 @@ fn write_section(xml: &mut Xml, road: &Road, section: &LaneSection) {
 }
 
 fn write_lane(xml: &mut Xml, road: &Road, section: &LaneSection, lane: &Lane) {
-    let attributes: [(&str, &dyn Display); 3] = [("id", &lane.id), ("type", &lane.kind.name()), ("level", &false)];
-    xml.element("lane", &attributes, |xml| {
+    xml.element("lane", attributes! { id: lane.id, type: lane.kind.name(), level: false }, |xml| {
         if lane.predecessor.is_some() || lane.successor.is_some() {
-            xml.element("link", &[], |xml| {
-                for (name, id) in [("predecessor", lane.predecessor), ("successor", lane.successor)] {
-                    if let Some(id) = id {
-                        xml.empty(name, &[("id", &id)]);
-                    }
-                }
+            xml.within(&["link"], |xml| {
+                lane.predecessor.iter().for_each(|id| xml.empty("predecessor", &[("id", id)]));
+                lane.successor.iter().for_each(|id| xml.empty("successor", &[("id", id)]));
             });
         }
         if lane.id != 0 {
@@ -370,7 +327,7 @@ fn write_lane(xml: &mut Xml, road: &Road, section: &LaneSection, lane: &Lane) {
         };
         xml.empty(
             "roadMark",
-            &[("sOffset", &0), ("type", &kind), ("weight", &"standard"), ("color", &"standard"), ("width", &MARK)],
+            attributes! { sOffset: 0, type: kind, weight: "standard", color: "standard", width: MARK },
         );
     });
 }
@@ -391,37 +348,12 @@ fn write_obstacle(xml: &mut Xml, town: &Town, place: Waypoint, number: usize, ob
     let id = format!("obstacle_{number}");
     xml.element(
         "object",
-        &[
-            ("id", &id),
-            ("name", &"obstacle"),
-            ("type", &"obstacle"),
-            ("s", &place.s),
-            ("t", &from_line.y),
-            ("zOffset", &0),
-            ("hdg", &heading),
-            ("pitch", &0),
-            ("roll", &0),
-            ("orientation", &"none"),
-            ("height", &OBSTACLE_HEIGHT),
-        ],
+        attributes! {
+            id, name: "obstacle", type: "obstacle", s: place.s, t: from_line.y, zOffset: 0, hdg: heading,
+            pitch: 0, roll: 0, orientation: "none", height: OBSTACLE_HEIGHT,
+        },
         |xml| {
-            xml.element("outlines", &[], |xml| {
-                xml.element("outline", &[("id", &0), ("closed", &true)], |xml| {
-                    for (corner, place) in obstacle.corners().into_iter().enumerate() {
-                        let local = own.to_local(place);
-                        xml.empty(
-                            "cornerLocal",
-                            &[
-                                ("id", &corner),
-                                ("u", &local.x),
-                                ("v", &local.y),
-                                ("z", &0),
-                                ("height", &OBSTACLE_HEIGHT),
-                            ],
-                        );
-                    }
-                });
-            });
+            write_outline(xml, &obstacle.corners(), own, OBSTACLE_HEIGHT);
             xml.empty("userData", &[("code", &OBSTACLE), ("value", &"1")]);
         },
     );
@@ -432,32 +364,24 @@ fn write_crosswalk(xml: &mut Xml, road: &Road, number: usize, corners: &[Point])
     let id = format!("crosswalk_{number}");
     xml.element(
         "object",
-        &[
-            ("id", &id),
-            ("name", &"crosswalk"),
-            ("type", &"crosswalk"),
-            ("s", &0),
-            ("t", &0),
-            ("zOffset", &0),
-            ("hdg", &0),
-            ("pitch", &0),
-            ("roll", &0),
-            ("orientation", &"none"),
-        ],
-        |xml| {
-            xml.element("outlines", &[], |xml| {
-                xml.element("outline", &[("id", &0), ("closed", &true)], |xml| {
-                    for (corner, place) in corners.iter().enumerate() {
-                        let local = line.to_local(*place);
-                        xml.empty(
-                            "cornerLocal",
-                            &[("id", &corner), ("u", &local.x), ("v", &local.y), ("z", &0), ("height", &0)],
-                        );
-                    }
-                });
-            });
+        attributes! {
+            id, name: "crosswalk", type: "crosswalk", s: 0, t: 0, zOffset: 0, hdg: 0, pitch: 0, roll: 0,
+            orientation: "none",
         },
+        |xml| write_outline(xml, corners, line, 0.0),
     );
+}
+
+/// The corners of an object in its own frame.
+fn write_outline(xml: &mut Xml, corners: &[Point], frame: Pose, height: f64) {
+    xml.within(&["outlines"], |xml| {
+        xml.element("outline", &[("id", &0), ("closed", &true)], |xml| {
+            for (id, corner) in corners.iter().enumerate() {
+                let local = frame.to_local(*corner);
+                xml.empty("cornerLocal", attributes! { id, u: local.x, v: local.y, z: 0, height });
+            }
+        });
+    });
 }
 
 /// The lateral position of the outer edge of a side of a road (m).
@@ -480,26 +404,17 @@ struct Signal<'a> {
 }
 
 impl Signal<'_> {
-    fn write(&self, xml: &mut Xml, town: &Town, attributes: super::xml::Attributes, data: impl FnOnce(&mut Xml)) {
+    fn write(&self, xml: &mut Xml, town: &Town, attributes: Attributes<'_>, data: impl FnOnce(&mut Xml)) {
         let lane = &self.lane;
         let road = &town.roads[lane.road.0 as usize];
         let (t, dynamic) = (Short(edge(road, lane)), if self.dynamic { "yes" } else { "no" });
         // The standard's direction, `+` for that of the reference line; CARLA's is that of the lanes' numbers, so the validity decides.
         let orientation = if road.is_forward(lane.lane) { "+" } else { "-" };
-        let mut all: Vec<(&str, &dyn Display)> = vec![
-            ("s", &lane.s),
-            ("t", &t),
-            ("id", &self.id),
-            ("name", &self.name),
-            ("dynamic", &dynamic),
-            ("orientation", &orientation),
-            ("zOffset", &SIGN_HEIGHT),
-            ("country", &"DE"),
-            ("type", &self.kind),
-            ("subtype", &self.subtype),
-        ];
-        all.extend_from_slice(attributes);
-        xml.element("signal", &all, |xml| {
+        let own: Attributes<'_> = attributes! {
+            s: lane.s, t, id: self.id, name: self.name, dynamic, orientation, zOffset: SIGN_HEIGHT, country: "DE",
+            type: self.kind, subtype: self.subtype,
+        };
+        xml.element("signal", &[own, attributes].concat(), |xml| {
             xml.empty("validity", &[("fromLane", &lane.lane), ("toLane", &lane.lane)]);
             data(xml);
         });
@@ -527,18 +442,10 @@ fn write_bus_stop(xml: &mut Xml, road: &Road, s: f64, number: usize, stop: Point
     let t = road.plan_view.pose(s).to_local(stop).y;
     xml.empty(
         "signal",
-        &[
-            ("s", &s),
-            ("t", &t),
-            ("id", &format!("stop_{number}")),
-            ("name", &"bus stop"),
-            ("dynamic", &"no"),
-            ("orientation", &"none"),
-            ("zOffset", &SIGN_HEIGHT),
-            ("country", &"DE"),
-            ("type", &BUS_STOP),
-            ("subtype", &"-1"),
-        ],
+        attributes! {
+            s, t, id: format!("stop_{number}"), name: "bus stop", dynamic: "no", orientation: "none",
+            zOffset: SIGN_HEIGHT, country: "DE", type: BUS_STOP, subtype: "-1",
+        },
     );
 }
 
@@ -584,17 +491,15 @@ fn write_controllers(xml: &mut Xml, lights: &[TrafficLight]) {
 
 fn write_junction(xml: &mut Xml, town: &Town, index: JunctionIndex, junction: &Junction) {
     let id = junction_number(town, junction);
-    xml.element("junction", &[("id", &id), ("name", &junction.name), ("type", &"default")], |xml| {
+    xml.element("junction", attributes! { id, name: junction.name, type: "default" }, |xml| {
         for connection in &junction.connections {
             let road = |index: RoadIndex| town.roads[index.0 as usize].id;
             xml.element(
                 "connection",
-                &[
-                    ("id", &connection.id),
-                    ("incomingRoad", &road(connection.incoming)),
-                    ("connectingRoad", &road(connection.connecting)),
-                    ("contactPoint", &end_name(connection.contact)),
-                ],
+                attributes! {
+                    id: connection.id, incomingRoad: road(connection.incoming),
+                    connectingRoad: road(connection.connecting), contactPoint: end_name(connection.contact),
+                },
                 |xml| {
                     for (from, to) in &connection.lane_links {
                         xml.empty("laneLink", &[("from", from), ("to", to)]);
@@ -604,7 +509,7 @@ fn write_junction(xml: &mut Xml, town: &Town, index: JunctionIndex, junction: &J
         }
         for turn in controllers(&town.traffic_lights).into_keys().filter(|turn| turn.0 == index.0) {
             let id = controller_id(turn);
-            xml.empty("controller", &[("id", &id), ("type", &"0"), ("sequence", &turn.1)]);
+            xml.empty("controller", attributes! { id, type: "0", sequence: turn.1 });
         }
     });
 }

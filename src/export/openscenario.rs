@@ -10,7 +10,7 @@
 use std::collections::BTreeSet;
 
 use super::episode::{Actor, Motion, Shape};
-use super::xml::{Short, Xml};
+use super::xml::{Short, Xml, attributes};
 use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
 use world::sim::{ActorId, LightColour, VehicleBlueprint};
 
@@ -22,10 +22,6 @@ pub(super) enum Version {
     V1_3,
 }
 
-/// The exporter of a version.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct OpenScenario(pub Version);
-
 /// How long a scenario goes on after the last tick without a collision (s): with the recorded ego, and with the user's.
 const AFTERWARDS: [f64; 2] = [0.5, 30.0];
 /// A time before the start (s), for the rule "greater than".
@@ -36,44 +32,29 @@ const MASS: f64 = 75.0;
 const MAX_SPEED: f64 = 69.4;
 const WHEEL: f64 = 0.7;
 
-impl Exporter for OpenScenario {
-    fn name(&self) -> &'static str {
-        match self.0 {
-            Version::V1_0 => "xosc-1.0",
-            Version::V1_3 => "xosc-1.3",
-        }
-    }
+pub(super) const XOSC_1_0: Exporter = Exporter {
+    name: "xosc-1.0",
+    about: "OpenSCENARIO XML 1.0 with its OpenDRIVE map, for CARLA's ScenarioRunner",
+    approximates: "a pedestrian's disc is the square around it; the reference point is the middle of the box; the runner's controllers follow the tracks",
+    holds: |_| true,
+    files: |episode, variant| files(Version::V1_0, episode, variant),
+    ..Exporter::RECORDED
+};
 
-    fn about(&self) -> &'static str {
-        match self.0 {
-            Version::V1_0 => "OpenSCENARIO XML 1.0 with its OpenDRIVE map, for CARLA's ScenarioRunner",
-            Version::V1_3 => "OpenSCENARIO XML 1.3 with its OpenDRIVE map",
-        }
-    }
+pub(super) const XOSC_1_3: Exporter = Exporter {
+    name: "xosc-1.3",
+    about: "OpenSCENARIO XML 1.3 with its OpenDRIVE map",
+    approximates: "a pedestrian's disc is the square around it, or a smaller one where a corner would graze the car earlier",
+    files: |episode, variant| files(Version::V1_3, episode, variant),
+    ..XOSC_1_0
+};
 
-    fn approximates(&self) -> &'static str {
-        match self.0 {
-            Version::V1_0 => {
-                "a pedestrian's disc is the square around it; the reference point is the middle of the box; the runner's controllers follow the tracks"
-            }
-            _ => {
-                "a pedestrian's disc is the square around it, or a smaller one where a corner would graze the car earlier"
-            }
-        }
-    }
-
-    fn holds(&self, _: Variant) -> bool {
-        true
-    }
-
-    fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        let map = opendrive::map_file(&episode.scenario.town)?;
-        let storyboard = Storyboard::new(self.0, episode, variant, &map.name)?;
-        let version = if self.0 == Version::V1_0 { "-1.0" } else { "" };
-        let name = format!("{}{version}.xosc", episode.stem());
-        let scenario = ExportFile { name, bytes: storyboard.text().into_bytes() };
-        Ok(vec![scenario, map])
-    }
+fn files(version: Version, episode: &Episode<'_>, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
+    let map = opendrive::map_file(&episode.scenario.town)?;
+    let storyboard = Storyboard::new(version, episode, variant, &map.name)?;
+    let ending = if version == Version::V1_0 { "-1.0" } else { "" };
+    let name = format!("{}{ending}.xosc", episode.stem());
+    Ok(vec![ExportFile { name, bytes: storyboard.text().into_bytes() }, map])
 }
 
 /// Traffic lights that change together.
@@ -104,7 +85,7 @@ struct Storyboard<'a> {
 
 impl<'a> Storyboard<'a> {
     fn new(version: Version, episode: &Episode<'a>, variant: Variant, map: &'a str) -> Result<Self, ExportError> {
-        let format = OpenScenario(version).name();
+        let format = if version == Version::V1_0 { XOSC_1_0.name } else { XOSC_1_3.name };
         if variant.ego == EgoDriver::User {
             if version == Version::V1_0 {
                 // ScenarioRunner reads no phases.
@@ -199,29 +180,23 @@ impl<'a> Storyboard<'a> {
         Xml::document("OpenSCENARIO", &[], |xml| {
             xml.empty(
                 "FileHeader",
-                &[
-                    ("revMajor", &1),
-                    ("revMinor", &minor),
-                    ("date", &DATE),
-                    ("author", &AUTHOR),
-                    ("description", &self.description),
-                ],
+                attributes! {
+                    revMajor: 1, revMinor: minor, date: DATE, author: AUTHOR, description: self.description,
+                },
             );
             xml.empty("ParameterDeclarations", &[]);
             xml.empty("CatalogLocations", &[]);
-            xml.element("RoadNetwork", &[], |xml| {
+            xml.within(&["RoadNetwork"], |xml| {
                 xml.empty("LogicFile", &[("filepath", &self.map)]);
                 if !self.lights.is_empty() {
-                    xml.element("TrafficSignals", &[], |xml| self.signals(xml));
+                    xml.within(&["TrafficSignals"], |xml| self.signals(xml));
                 }
             });
-            xml.element("Entities", &[], |xml| {
+            xml.within(&["Entities"], |xml| {
                 self.actors.iter().zip(&self.sizes).for_each(|(actor, size)| self.entity(xml, actor, *size));
             });
-            xml.element("Storyboard", &[], |xml| {
-                xml.element("Init", &[], |xml| {
-                    xml.element("Actions", &[], |xml| self.actors.iter().for_each(|actor| self.start(xml, actor)));
-                });
+            xml.within(&["Storyboard"], |xml| {
+                xml.within(&["Init", "Actions"], |xml| self.actors.iter().for_each(|actor| self.start(xml, actor)));
                 xml.element("Story", &[("name", &"failure")], |xml| {
                     if self.version == Version::V1_0 {
                         xml.empty("ParameterDeclarations", &[]);
@@ -233,7 +208,7 @@ impl<'a> Storyboard<'a> {
                         trigger(xml, "StartTrigger", |xml| self.at_start(xml, "start_of_act"));
                     });
                 });
-                xml.element("StopTrigger", &[], |xml| self.stop(xml));
+                xml.within(&["StopTrigger"], |xml| self.stop(xml));
             });
         })
     }
@@ -263,11 +238,10 @@ impl<'a> Storyboard<'a> {
 
     fn entity(&self, xml: &mut Xml, actor: &Actor, [length, width, height]: [f64; 3]) {
         let bounding_box = |xml: &mut Xml, ahead: f64| {
-            xml.element("BoundingBox", &[], |xml| {
-                xml.empty("Center", &[("x", &Short(ahead)), ("y", &0), ("z", &Short(height / 2.0))]);
-                let sizes: [(&str, f64); 3] = [("length", length), ("width", width), ("height", height)];
-                let [l, w, h] = sizes.map(|(_, size)| Short(size));
-                xml.empty("Dimensions", &[("length", &l), ("width", &w), ("height", &h)]);
+            xml.within(&["BoundingBox"], |xml| {
+                xml.empty("Center", attributes! { x: Short(ahead), y: 0, z: Short(height / 2.0) });
+                let [length, width, height] = [length, width, height].map(Short);
+                xml.empty("Dimensions", attributes! { length, width, height });
             });
         };
         xml.element("ScenarioObject", &[("name", &actor.name)], |xml| match actor.shape {
@@ -278,14 +252,13 @@ impl<'a> Storyboard<'a> {
                     let rear = if self.version == Version::V1_0 { -blueprint.wheelbase / 2.0 } else { 0.0 };
                     bounding_box(xml, rear + blueprint.wheelbase / 2.0);
                     performance(xml, blueprint);
-                    xml.element("Axles", &[], |xml| {
+                    xml.within(&["Axles"], |xml| {
                         axle(xml, "FrontAxle", blueprint.greatest_wheel_angle, rear + blueprint.wheelbase, width);
                         axle(xml, "RearAxle", 0.0, rear, width);
                     });
-                    xml.element("Properties", &[], |xml| {
+                    xml.within(&["Properties"], |xml| {
                         if self.version == Version::V1_0 {
-                            let role = if actor.id == ActorId::EGO { "ego_vehicle" } else { "simulation" };
-                            xml.empty("Property", &[("name", &"type"), ("value", &role)]);
+                            property(xml, "type", if actor.id == ActorId::EGO { "ego_vehicle" } else { "simulation" });
                         }
                     });
                 });
@@ -302,9 +275,9 @@ impl<'a> Storyboard<'a> {
                 xml.element("Pedestrian", &attributes, |xml| {
                     xml.empty("ParameterDeclarations", &[]);
                     bounding_box(xml, 0.0);
-                    xml.element("Properties", &[], |xml| {
+                    xml.within(&["Properties"], |xml| {
                         if self.version == Version::V1_0 {
-                            xml.empty("Property", &[("name", &"type"), ("value", &"simulation")]);
+                            property(xml, "type", "simulation");
                         }
                     });
                 });
@@ -317,30 +290,18 @@ impl<'a> Storyboard<'a> {
         let ego_of_user = actor.id == ActorId::EGO && self.variant.ego == EgoDriver::User;
         let from = if actor.id == ActorId::EGO { 0 } else { self.first_tick() };
         xml.element("Private", &[("entityRef", &actor.name)], |xml| {
-            xml.element("PrivateAction", &[], |xml| {
-                xml.element("TeleportAction", &[], |xml| {
-                    self.position(xml, actor, &actor.track[from]);
-                });
-            });
+            xml.within(&["PrivateAction", "TeleportAction"], |xml| self.position(xml, actor, &actor.track[from]));
             if !ego_of_user {
                 return;
             }
             if self.version == Version::V1_0 {
-                xml.element("PrivateAction", &[], controller_of_scenario_runner);
+                xml.within(&["PrivateAction"], controller_of_scenario_runner);
             }
-            xml.element("PrivateAction", &[], |xml| {
-                xml.element("LongitudinalAction", &[], |xml| {
-                    xml.element("SpeedAction", &[], |xml| {
-                        xml.empty(
-                            "SpeedActionDynamics",
-                            &[("dynamicsShape", &"step"), ("value", &0), ("dynamicsDimension", &"time")],
-                        );
-                        xml.element("SpeedActionTarget", &[], |xml| {
-                            let speed = Short(actor.track[0].velocity.norm());
-                            xml.empty("AbsoluteTargetSpeed", &[("value", &speed)]);
-                        });
-                    });
-                });
+            xml.within(&["PrivateAction", "LongitudinalAction", "SpeedAction"], |xml| {
+                let dynamics = attributes! { dynamicsShape: "step", value: 0, dynamicsDimension: "time" };
+                xml.empty("SpeedActionDynamics", dynamics);
+                let speed = Short(actor.track[0].velocity.norm());
+                xml.within(&["SpeedActionTarget"], |xml| xml.empty("AbsoluteTargetSpeed", &[("value", &speed)]));
             });
         });
     }
@@ -351,9 +312,9 @@ impl<'a> Storyboard<'a> {
 
     fn position(&self, xml: &mut Xml, actor: &Actor, motion: &Motion) {
         let [x, y, z] = self.reference(actor, motion).map(Short);
-        xml.element("Position", &[], |xml| {
+        xml.within(&["Position"], |xml| {
             let (heading, pitch) = (Short(motion.heading), Short(motion.pitch));
-            xml.empty("WorldPosition", &[("x", &x), ("y", &y), ("z", &z), ("h", &heading), ("p", &pitch), ("r", &0)]);
+            xml.empty("WorldPosition", attributes! { x, y, z, h: heading, p: pitch, r: 0 });
         });
     }
 
@@ -369,16 +330,10 @@ impl<'a> Storyboard<'a> {
                 xml.empty("EntityRef", &[("entityRef", name)]);
             });
             xml.element("Maneuver", &[("name", &maneuver)], |xml| {
-                let attributes: super::xml::Attributes =
-                    &[("name", &event), ("priority", &priority), ("maximumExecutionCount", &1)];
-                xml.element("Event", attributes, |xml| {
+                xml.element("Event", attributes! { name: event, priority, maximumExecutionCount: 1 }, |xml| {
                     xml.element("Action", &[("name", &action)], |xml| {
-                        xml.element("PrivateAction", &[], |xml| {
-                            xml.element("RoutingAction", &[], |xml| {
-                                xml.element("FollowTrajectoryAction", &[], |xml| {
-                                    self.trajectory(xml, actor, released.is_some());
-                                });
-                            });
+                        xml.within(&["PrivateAction", "RoutingAction", "FollowTrajectoryAction"], |xml| {
+                            self.trajectory(xml, actor, released.is_some());
                         });
                     });
                     trigger(xml, "StartTrigger", |xml| match released {
@@ -395,24 +350,22 @@ impl<'a> Storyboard<'a> {
         let name = format!("track_{}", actor.name);
         let polyline = |xml: &mut Xml| {
             xml.element("Trajectory", &[("name", &name), ("closed", &false)], |xml| {
-                xml.element("Shape", &[], |xml| {
-                    xml.element("Polyline", &[], |xml| {
-                        for (tick, motion) in actor.track[first..].iter().enumerate() {
-                            let time = Short(tick as f64 * self.dt);
-                            xml.element("Vertex", &[("time", &time)], |xml| self.position(xml, actor, motion));
-                        }
-                    });
+                xml.within(&["Shape", "Polyline"], |xml| {
+                    for (tick, motion) in actor.track[first..].iter().enumerate() {
+                        let time = Short(tick as f64 * self.dt);
+                        xml.element("Vertex", &[("time", &time)], |xml| self.position(xml, actor, motion));
+                    }
                 });
             });
         };
         if self.version == Version::V1_0 {
             polyline(xml);
         } else {
-            xml.element("TrajectoryRef", &[], polyline);
+            xml.within(&["TrajectoryRef"], polyline);
         }
-        xml.element("TimeReference", &[], |xml| {
+        xml.within(&["TimeReference"], |xml| {
             let domain = if released { "relative" } else { "absolute" };
-            xml.empty("Timing", &[("domainAbsoluteRelative", &domain), ("scale", &1), ("offset", &0)]);
+            xml.empty("Timing", attributes! { domainAbsoluteRelative: domain, scale: 1, offset: 0 });
         });
         // ScenarioRunner knows no other mode than to follow.
         let mode = if self.version == Version::V1_0 { "follow" } else { "position" };
@@ -441,13 +394,10 @@ impl<'a> Storyboard<'a> {
         self.by_entity(xml, name, &self.actors[0].name, |xml| {
             xml.empty(
                 "RelativeDistanceCondition",
-                &[
-                    ("entityRef", pedestrian),
-                    ("relativeDistanceType", &kind),
-                    ("value", &distance),
-                    ("freespace", &false),
-                    ("rule", &rule),
-                ],
+                attributes! {
+                    entityRef: *pedestrian, relativeDistanceType: kind, value: distance, freespace: false,
+                    rule,
+                },
             );
         });
     }
@@ -457,7 +407,7 @@ impl<'a> Storyboard<'a> {
             xml.element("TriggeringEntities", &[("triggeringEntitiesRule", &"any")], |xml| {
                 xml.empty("EntityRef", &[("entityRef", &entity)]);
             });
-            xml.element("EntityCondition", &[], content);
+            xml.within(&["EntityCondition"], content);
         });
     }
 
@@ -465,15 +415,15 @@ impl<'a> Storyboard<'a> {
     fn stop(&self, xml: &mut Xml) {
         for actor in self.actors.iter().filter(|actor| matches!(actor.id, ActorId::Pedestrian(_))) {
             let name = format!("collision_{}", actor.name);
-            xml.element("ConditionGroup", &[], |xml| {
+            xml.within(&["ConditionGroup"], |xml| {
                 self.by_entity(xml, &name, &self.actors[0].name, |xml| {
-                    xml.element("CollisionCondition", &[], |xml| xml.empty("EntityRef", &[("entityRef", &actor.name)]));
+                    xml.within(&["CollisionCondition"], |xml| xml.empty("EntityRef", &[("entityRef", &actor.name)]));
                 });
             });
         }
         let afterwards = AFTERWARDS[usize::from(self.variant != Variant::default())];
         let end = Short((self.actors[0].track.len() - 1) as f64 * self.dt + afterwards);
-        xml.element("ConditionGroup", &[], |xml| {
+        xml.within(&["ConditionGroup"], |xml| {
             condition(xml, "end", "ByValueCondition", |xml| {
                 xml.empty("SimulationTimeCondition", &[("value", &end), ("rule", &"greaterThan")]);
             });
@@ -487,7 +437,7 @@ fn performance(xml: &mut Xml, blueprint: &VehicleBlueprint) {
     let [speed, acceleration, deceleration] = numbers.map(Short);
     xml.empty(
         "Performance",
-        &[("maxSpeed", &speed), ("maxAcceleration", &acceleration), ("maxDeceleration", &deceleration)],
+        attributes! { maxSpeed: speed, maxAcceleration: acceleration, maxDeceleration: deceleration },
     );
 }
 
@@ -495,27 +445,22 @@ fn axle(xml: &mut Xml, name: &str, steering: f64, ahead: f64, width: f64) {
     let [steering, diameter, track, ahead, height] = [steering, WHEEL, 0.8 * width, ahead, WHEEL / 2.0].map(Short);
     xml.empty(
         name,
-        &[
-            ("maxSteering", &steering),
-            ("wheelDiameter", &diameter),
-            ("trackWidth", &track),
-            ("positionX", &ahead),
-            ("positionZ", &height),
-        ],
+        attributes! {
+            maxSteering: steering, wheelDiameter: diameter, trackWidth: track, positionX: ahead,
+            positionZ: height,
+        },
     );
 }
 
 /// ScenarioRunner's controller that leaves a vehicle to another client.
 fn controller_of_scenario_runner(xml: &mut Xml) {
-    xml.element("ControllerAction", &[], |xml| {
-        xml.element("AssignControllerAction", &[], |xml| {
+    xml.within(&["ControllerAction"], |xml| {
+        xml.within(&["AssignControllerAction"], |xml| {
             xml.element("Controller", &[("name", &"user")], |xml| {
-                xml.element("Properties", &[], |xml| {
-                    xml.empty("Property", &[("name", &"module"), ("value", &"external_control")]);
-                });
+                xml.within(&["Properties"], |xml| property(xml, "module", "external_control"));
             });
         });
-        xml.element("OverrideControllerValueAction", &[], |xml| {
+        xml.within(&["OverrideControllerValueAction"], |xml| {
             for name in ["Throttle", "Brake", "Clutch", "ParkingBrake", "SteeringWheel"] {
                 xml.empty(name, &[("value", &0), ("active", &false)]);
             }
@@ -524,12 +469,16 @@ fn controller_of_scenario_runner(xml: &mut Xml) {
     });
 }
 
+fn property(xml: &mut Xml, name: &str, value: &str) {
+    xml.empty("Property", attributes! { name, value });
+}
+
 fn trigger(xml: &mut Xml, name: &str, content: impl FnOnce(&mut Xml)) {
-    xml.element(name, &[], |xml| xml.element("ConditionGroup", &[], content));
+    xml.within(&[name, "ConditionGroup"], content);
 }
 
 fn condition(xml: &mut Xml, name: &str, kind: &str, content: impl FnOnce(&mut Xml)) {
-    xml.element("Condition", &[("name", &name), ("delay", &0), ("conditionEdge", &"none")], |xml| {
-        xml.element(kind, &[], content);
+    xml.element("Condition", attributes! { name, delay: 0, conditionEdge: "none" }, |xml| {
+        xml.within(&[kind], content);
     });
 }

@@ -22,14 +22,12 @@ pub(super) struct Channel<'a> {
     pub metadata: &'a [(&'a str, &'a str)],
 }
 
-/// The number of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ChannelId(u16);
 
 /// A recording in memory.
 pub(super) struct Recording {
     writer: Writer<Cursor<Vec<u8>>>,
-    /// The number of messages of each channel.
     messages: BTreeMap<ChannelId, u32>,
 }
 

@@ -10,6 +10,16 @@ pub(super) struct Xml {
 /// Attributes of an element, in order.
 pub(super) type Attributes<'a> = &'a [(&'a str, &'a dyn Display)];
 
+/// Attributes of an element: `attributes! { id: 7, name: road.name, rule }`.
+macro_rules! attributes {
+    ($($key:ident $(: $value:expr)?),* $(,)?) => {
+        &[$((stringify!($key), &$crate::xml::attributes!(@value $key $(: $value)?) as &dyn std::fmt::Display)),*]
+    };
+    (@value $key:ident) => { $key };
+    (@value $key:ident: $value:expr) => { $value };
+}
+pub(super) use attributes;
+
 impl Xml {
     /// A document with one element, whose content the function writes.
     pub fn document(name: &str, attributes: Attributes, content: impl FnOnce(&mut Self)) -> String {
@@ -40,6 +50,14 @@ impl Xml {
         }
         self.indent();
         self.put(format_args!("</{name}>\n"));
+    }
+
+    /// Elements without attributes, each in the one before; the function writes the content of the last.
+    pub fn within(&mut self, names: &[&str], content: impl FnOnce(&mut Self)) {
+        match names {
+            [] => content(self),
+            [name, inner @ ..] => self.element(name, &[], |xml| xml.within(inner, content)),
+        }
     }
 
     /// A comment, without two hyphens in a row.
@@ -116,7 +134,7 @@ mod tests {
         let name = "a < b & \"c\"\u{7} > d";
         let text = Xml::document("town", &[("name", &name)], |xml| {
             xml.empty("road", &[("s", &Short(-1e-12)), ("length", &Short(2.5))]);
-            xml.element("empty", &[], |_| {});
+            xml.within(&["empty"], |_| {});
         });
         let read = roxmltree::Document::parse(&text).unwrap();
         let root = read.root_element();

@@ -15,7 +15,6 @@ pub struct Name {
     pub span: Span,
 }
 
-/// A file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct File {
     pub source: SourceId,
@@ -119,7 +118,6 @@ pub struct Expression {
     pub span: Span,
 }
 
-/// What an expression is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExpressionKind {
     /// `7`, `7 m`

@@ -133,7 +133,6 @@ struct Given {
     key: &'static str,
     /// The place of the key.
     span: Span,
-    /// The place of its value.
     place: Span,
     /// `None` if it is wrong.
     value: Option<Value>,

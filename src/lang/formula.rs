@@ -109,7 +109,6 @@ pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Uni
 struct Part {
     formula: Formula,
     sort: Sort,
-    /// The bounds of its value.
     bounds: Bounds,
 }
 

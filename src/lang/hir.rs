@@ -30,7 +30,6 @@ pub struct Param {
     pub docs: Vec<String>,
     /// Its value as written.
     pub value: String,
-    /// Whether it is used.
     pub used: bool,
     /// The place of its name.
     pub span: Span,
@@ -55,7 +54,6 @@ impl Program {
     }
 }
 
-/// One declaration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Declaration {
     pub id: DeclarationId,

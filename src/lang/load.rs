@@ -40,7 +40,6 @@ impl<F: Fn(&Path) -> std::io::Result<String>> Reader for F {
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read `{path}`: {reason}", path = path.display(), reason = reason(source))]
 pub struct Unreadable {
-    /// The file.
     pub path: PathBuf,
     pub source: std::io::Error,
 }

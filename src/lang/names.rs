@@ -32,7 +32,6 @@ impl<'a> Names<'a> {
         DeclarationId(self.first + index)
     }
 
-    /// A declaration with the place of its name.
     pub fn find_with_place(&self, form: &str, name: &str) -> Option<(DeclarationId, Span)> {
         self.known.get(&(form, name)).copied()
     }

@@ -6,7 +6,6 @@
 
 use std::ops::Range;
 
-/// What a token is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TokenKind {
     /// Blanks and line ends.
@@ -80,7 +79,6 @@ pub const KEYWORDS: [&str; 8] = ["on", "in", "and", "or", "not", "implies", "edi
 /// Operators and separators, the longer ones first.
 const SIGNS: [&str; 14] = ["=>", "..", "<=", ">=", "<", ">", "+", "-", "*", "/", "=", ":", ",", ";"];
 
-/// The tokens of a text, all of it.
 pub fn tokens(text: &str) -> Tokens<'_> {
     Tokens { text, at: 0, before: Before::Other }
 }

@@ -16,7 +16,6 @@ use base::units::Dimension;
 pub use distribution::distributions;
 pub(super) use number::quantity;
 
-/// The context of a value.
 pub(super) struct Context<'a> {
     pub vocabulary: &'a Vocabulary,
     /// All forms, for suggestions.

@@ -12,54 +12,20 @@ use super::moments::RunningMoments;
 /// Why bytes are not a checkpoint.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
-    /// The bytes are not in the safetensors format.
     #[error("not a safetensors file: {0}")]
     Format(#[source] SafeTensorError),
-    /// A tensor is absent.
     #[error("the tensor `{name}` is missing")]
-    Missing {
-        /// The name of the tensor.
-        name: String,
-    },
-    /// A tensor holds numbers of another type.
+    Missing { name: String },
     #[error("the tensor `{name}` holds {found}, not {expected}")]
-    Type {
-        /// The name of the tensor.
-        name: String,
-        /// The type that was needed.
-        expected: &'static str,
-        /// The type that was found.
-        found: String,
-    },
-    /// A tensor does not fit the others.
+    Type { name: String, expected: &'static str, found: String },
     #[error("the tensor `{name}` has the shape {found:?}, which does not fit")]
-    Shape {
-        /// The name of the tensor.
-        name: String,
-        /// The shape that was found.
-        found: Vec<usize>,
-    },
-    /// A tensor contains an infinite number or something that is not a number.
+    Shape { name: String, found: Vec<usize> },
     #[error("the tensor `{name}` contains a number that is not finite")]
-    NonFinite {
-        /// The name of the tensor.
-        name: String,
-    },
-    /// The training was started with other settings.
+    NonFinite { name: String },
     #[error("the training was begun with another `{name}`")]
-    Settings {
-        /// The first setting that differs.
-        name: String,
-    },
-    /// The training has another number of policies.
+    Settings { name: String },
     #[error("it has {found} policies, and this training has {expected}")]
-    Policies {
-        /// Those of the file.
-        found: usize,
-        /// Those of the training.
-        expected: usize,
-    },
-    /// An environment cannot continue from its saved state.
+    Policies { found: usize, expected: usize },
     #[error("environment {env} does not accept its saved state")]
     Env {
         /// The number of the environment, from 0.

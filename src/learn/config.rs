@@ -197,33 +197,14 @@ impl PpoConfig {
 /// Why networks cannot be the first ones of a training.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnsuitableNetworks {
-    /// They are for other states.
     #[error(
         "its states have {found} numbers, and those of this training have {expected}; `frame_stack` multiplies them"
     )]
-    States {
-        /// The numbers of the file.
-        found: usize,
-        /// Those of the training.
-        expected: usize,
-    },
-    /// They give other actions.
+    States { found: usize, expected: usize },
     #[error("its actions have {found} numbers, and those of this training have {expected}")]
-    Actions {
-        /// The numbers of the file.
-        found: usize,
-        /// Those of the training.
-        expected: usize,
-    },
-    /// Their hidden layers have other widths.
+    Actions { found: usize, expected: usize },
     #[error("its hidden layers are {found:?}, so `hidden` must be that, and it is {expected:?}")]
-    Hidden {
-        /// The widths of the file.
-        found: Vec<usize>,
-        /// Those of the training.
-        expected: Vec<usize>,
-    },
-    /// Only one of the two standardises states.
+    Hidden { found: Vec<usize>, expected: Vec<usize> },
     #[error("it was trained with `normalize_observations: {found}`, so this training needs the same")]
     Normalised {
         /// Whether the file has moments of observations.

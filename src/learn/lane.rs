@@ -15,7 +15,6 @@ use base::seed::Stream;
 /// The part of a collector that belongs to one agent of an environment. Lanes of different environments do not share data, so they can run in parallel.
 #[derive(Debug, Clone)]
 pub(super) struct Lane {
-    /// The number of its policy.
     pub(super) policy: usize,
     frame_dim: usize,
     bounds: Vec<(f64, f64)>,

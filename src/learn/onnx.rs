@@ -16,6 +16,7 @@ use prost::Message;
 use super::actor_critic::ActorCritic;
 use super::mlp::Layer;
 use super::moments::LIMIT;
+use base::messages;
 
 /// The version of the format, and that of its operators.
 const IR_VERSION: i64 = 8;
@@ -32,120 +33,66 @@ pub fn onnx_properties(bytes: &[u8]) -> BTreeMap<String, String> {
     model.metadata.into_iter().map(|entry| (entry.key, entry.value)).collect()
 }
 
-#[derive(Clone, PartialEq, Message)]
-struct Model {
-    #[prost(int64, tag = "1")]
-    ir_version: i64,
-    #[prost(string, tag = "2")]
-    producer_name: String,
-    #[prost(message, optional, tag = "7")]
-    graph: Option<Graph>,
-    #[prost(message, repeated, tag = "8")]
-    operators: Vec<Operators>,
-    #[prost(message, repeated, tag = "14")]
-    metadata: Vec<Entry>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Operators {
-    #[prost(int64, tag = "2")]
-    version: i64,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Entry {
-    #[prost(string, tag = "1")]
-    key: String,
-    #[prost(string, tag = "2")]
-    value: String,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Graph {
-    #[prost(message, repeated, tag = "1")]
-    nodes: Vec<Node>,
-    #[prost(string, tag = "2")]
-    name: String,
-    #[prost(message, repeated, tag = "5")]
-    constants: Vec<Tensor>,
-    #[prost(message, repeated, tag = "11")]
-    inputs: Vec<Value>,
-    #[prost(message, repeated, tag = "12")]
-    outputs: Vec<Value>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Node {
-    #[prost(string, repeated, tag = "1")]
-    inputs: Vec<String>,
-    #[prost(string, repeated, tag = "2")]
-    outputs: Vec<String>,
-    #[prost(string, tag = "3")]
-    name: String,
-    #[prost(string, tag = "4")]
-    operator: String,
-    #[prost(message, repeated, tag = "5")]
-    attributes: Vec<Attribute>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Attribute {
-    #[prost(string, tag = "1")]
-    name: String,
-    #[prost(int64, tag = "3")]
-    value: i64,
-    #[prost(int32, tag = "20")]
-    kind: i32,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Tensor {
-    // Not packed: the format predates that encoding, and not every reader knows it.
-    #[prost(int64, repeated, packed = "false", tag = "1")]
-    shape: Vec<i64>,
-    #[prost(int32, tag = "2")]
-    element: i32,
-    #[prost(string, tag = "8")]
-    name: String,
-    #[prost(bytes = "vec", tag = "9")]
-    data: Vec<u8>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Value {
-    #[prost(string, tag = "1")]
-    name: String,
-    #[prost(message, optional, tag = "2")]
-    kind: Option<Kind>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Kind {
-    #[prost(message, optional, tag = "1")]
-    tensor: Option<TensorKind>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct TensorKind {
-    #[prost(int32, tag = "1")]
-    element: i32,
-    #[prost(message, optional, tag = "2")]
-    shape: Option<Shape>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Shape {
-    #[prost(message, repeated, tag = "1")]
-    dimensions: Vec<Dimension>,
-}
-
-/// A fixed length, or the name of a free one.
-#[derive(Clone, PartialEq, Message)]
-struct Dimension {
-    #[prost(int64, optional, tag = "1")]
-    length: Option<i64>,
-    #[prost(string, optional, tag = "2")]
-    name: Option<String>,
+messages! {
+    Model {
+        ir_version: i64 = 1 (int64),
+        producer_name: String = 2 (string),
+        graph: Option<Graph> = 7 (message, optional),
+        operators: Vec<Operators> = 8 (message, repeated),
+        metadata: Vec<Entry> = 14 (message, repeated),
+    }
+    Operators {
+        version: i64 = 2 (int64),
+    }
+    Entry {
+        key: String = 1 (string),
+        value: String = 2 (string),
+    }
+    Graph {
+        nodes: Vec<Node> = 1 (message, repeated),
+        name: String = 2 (string),
+        constants: Vec<Tensor> = 5 (message, repeated),
+        inputs: Vec<Value> = 11 (message, repeated),
+        outputs: Vec<Value> = 12 (message, repeated),
+    }
+    Node {
+        inputs: Vec<String> = 1 (string, repeated),
+        outputs: Vec<String> = 2 (string, repeated),
+        name: String = 3 (string),
+        operator: String = 4 (string),
+        attributes: Vec<Attribute> = 5 (message, repeated),
+    }
+    Attribute {
+        name: String = 1 (string),
+        value: i64 = 3 (int64),
+        kind: i32 = 20 (int32),
+    }
+    Tensor {
+        // Not packed: the format predates that encoding, and not every reader knows it.
+        shape: Vec<i64> = 1 (int64, repeated, packed = "false"),
+        element: i32 = 2 (int32),
+        name: String = 8 (string),
+        data: Vec<u8> = 9 (bytes = "vec"),
+    }
+    Value {
+        name: String = 1 (string),
+        kind: Option<Kind> = 2 (message, optional),
+    }
+    Kind {
+        tensor: Option<TensorKind> = 1 (message, optional),
+    }
+    TensorKind {
+        element: i32 = 1 (int32),
+        shape: Option<Shape> = 2 (message, optional),
+    }
+    Shape {
+        dimensions: Vec<Dimension> = 1 (message, repeated),
+    }
+    /// A fixed length, or the name of a free one.
+    Dimension {
+        length: Option<i64> = 1 (int64, optional),
+        name: Option<String> = 2 (string, optional),
+    }
 }
 
 /// The inputs of a policy that gets plain numbers and squashes them itself.

@@ -11,7 +11,6 @@ mod sealed {
 
 /// A floating-point type of the networks: `f32` for training, `f64` for checking gradients.
 pub trait Real: nalgebra::RealField + Copy + sealed::Sealed {
-    /// Rounds to this type.
     fn rounded(value: f64) -> Self;
 
     /// Widens to `f64`, without loss.

@@ -7,18 +7,11 @@ use base::choice;
 /// Why training ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TrainError {
-    /// A number was infinite or not a number.
     #[error(
         "the {quantity} was not finite in update {update}: the training has come apart; a smaller `learning_rate`, fewer `epochs` or \
          smaller rewards may help"
     )]
-    NonFinite {
-        /// The update, from 1.
-        update: u64,
-        /// The quantity that was not finite.
-        quantity: Quantity,
-    },
-    /// The observer asked to stop.
+    NonFinite { update: u64, quantity: Quantity },
     #[error("stopped after update {update}")]
     Stopped {
         /// The last update that was completed, from 1.

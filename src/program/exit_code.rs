@@ -29,7 +29,6 @@ pub enum ExitCode {
 }
 
 impl ExitCode {
-    /// That of a gate.
     pub fn of_gate(passes: bool) -> Self {
         if passes { Self::Done } else { Self::GateFailed }
     }

@@ -46,7 +46,6 @@ impl LaneIndex {
         self.filters[filter as usize].chords.get_or_init(|| chords(lanes.roads, lanes.network, filter))
     }
 
-    /// The tree of a filter with the chords.
     pub fn tree(&self, lanes: Lanes, filter: LaneFilter) -> (&ChordTree, &[Chord]) {
         let chords = self.chords(lanes, filter);
         (self.filters[filter as usize].tree.get_or_init(|| ChordTree::new(chords)), chords)

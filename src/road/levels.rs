@@ -118,7 +118,6 @@ impl Town {
         )
     }
 
-    /// The place of a car at a pose.
     pub fn place_of_car(&self, pose: &Pose) -> Place {
         let lane = self.has_levels().then(|| self.lane_under(pose)).flatten();
         Place { point: pose.position(), ground: lane.map(|lane| self.elevation(lane)) }

@@ -20,7 +20,6 @@ choice! {
     }
 }
 
-/// A point of a route.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoutePoint {
     /// The place on the lane.

@@ -99,7 +99,6 @@ impl Town {
         self.roads.get(waypoint.road.0 as usize).map_or(0.0, |road| road.plan_view.elevation().value(waypoint.s))
     }
 
-    /// Adds crosswalks.
     pub fn add_crosswalks(&mut self, crosswalks: Vec<Crosswalk>) {
         self.parts.crosswalks.extend(crosswalks);
     }

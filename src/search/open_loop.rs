@@ -99,7 +99,6 @@ impl OpenLoop {
         Self { method: Method::CrossEntropy { population, elite }, plan }
     }
 
-    /// CMA-ES.
     pub fn cma_es(CmaEsKeys { plan, population }: CmaEsKeys) -> Self {
         Self { method: Method::CmaEs { population }, plan }
     }

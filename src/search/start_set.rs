@@ -19,7 +19,6 @@ impl StartSet {
         self.0.iter().flat_map(|(first, last)| *first..=*last)
     }
 
-    /// Whether it has a start.
     pub fn contains(&self, start: u64) -> bool {
         let after = self.0.partition_point(|(first, _)| *first <= start);
         after > 0 && self.0[after - 1].1 >= start

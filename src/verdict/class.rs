@@ -98,7 +98,9 @@ impl Class {
             Self::Runner => {
                 "every careful driver avoids it; the person was faster than 8 km/h and moved as runners and cyclists do"
             }
-            Self::Fault => "every careful driver avoids it clearly, and the pedestrian moved as people do, not into the car",
+            Self::Fault => {
+                "every careful driver avoids it clearly, and the pedestrian moved as people do, not into the car"
+            }
         }
     }
 }

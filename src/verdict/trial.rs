@@ -235,7 +235,11 @@ impl Trial {
     }
 
     /// The same, watched.
-    pub(super) fn watched(encounter: &mut Encounter<'_>, driver: &mut dyn ReferenceDriver, watch: &mut dyn Watch) -> Self {
+    pub(super) fn watched(
+        encounter: &mut Encounter<'_>,
+        driver: &mut dyn ReferenceDriver,
+        watch: &mut dyn Watch,
+    ) -> Self {
         driver.begin();
         Self::run(encounter, driver, 0, None, watch)
     }

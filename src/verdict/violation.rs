@@ -1,6 +1,6 @@
 use super::encounter::STANDING;
-use super::trial::{FreeRun, Seen, Watch};
 use super::reference::Model;
+use super::trial::{FreeRun, Seen, Watch};
 use super::{Encounter, Inquiry, Label, PedestrianMotion, Trial};
 use base::choice;
 use base::signature::Requirement;

@@ -595,7 +595,8 @@ fn somebody_who_walks_at_random_far_away_is_not_needed_and_delays_nobody() {
     let mut failures = 0;
     for mut incident in (0..25).map(out_of_the_shadow) {
         let mut scenario = Scenario::clone(&incident.scenario);
-        scenario.cast.pedestrians[1].controller = Controller::Own(episode::walker::Controller::new("random", || Box::new(Random::default())));
+        scenario.cast.pedestrians[1].controller =
+            Controller::Own(episode::walker::Controller::new("random", || Box::new(Random::default())));
         incident.scenario = Arc::new(scenario);
         let again = Reruns::new(&incident).run(&incident.commands).unwrap();
         let taken = again.commands.iter().step_by(2);

@@ -58,7 +58,7 @@ fn every_code_is_explained_once() {
     let folder = std::fs::read_dir(crate::repository().join("src/lang/diagnostics")).unwrap();
     let source: String = folder.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap()).collect();
     let mut known = BTreeSet::new();
-    for call in ["Diagnostic::error(", "Diagnostic::warning(", "unknown("] {
+    for call in ["Diagnostic::error(", "Diagnostic::warning(", " = error(", " = warning(", "unknown("] {
         for rest in source.split(call).skip(1) {
             let code = rest.trim_start().strip_prefix('"').and_then(|rest| rest.split('"').next());
             known.extend(code);

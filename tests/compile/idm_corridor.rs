@@ -79,8 +79,7 @@ fn a_crowd_changes_what_is_in_the_corridor_and_not_how_it_is_found() {
         let hidden: Vec<bool> = crowd.iter().map(|actor| !all.in_sight(actor)).collect();
         let mut hidden = hidden.into_iter();
         crowd.retain(|_| !hidden.next().unwrap());
-        let mut perceived =
-            |pedestrians: &[Actor]| control(driver.as_mut(), &Perception { pedestrians, ..around });
+        let mut perceived = |pedestrians: &[Actor]| control(driver.as_mut(), &Perception { pedestrians, ..around });
         // One by one the whole path is searched; the strongest brake is that of the crowd.
         let alone: Vec<[u64; 3]> = crowd.iter().map(|actor| perceived(std::slice::from_ref(actor))).collect();
         let strongest = |a: &&[u64; 3], b: &&[u64; 3]| {

@@ -8,8 +8,8 @@ use base::seed::Seed;
 use compile::{Catalog, compile};
 use episode::{FirstHeading, Scenario, Spawn};
 use road::LaneFilter;
-use world::sim::PedestrianBody;
 use road::geometry::wrap_angle;
+use world::sim::PedestrianBody;
 
 /// The scenario of a campaign in the outline of CARLA's Town01 with this spawn.
 fn scenario(spawn: &str) -> Arc<Scenario> {
@@ -149,7 +149,11 @@ fn rejected_constraints_are_true_of_every_start() {
         let place = spawn.pedestrian.position();
         let lane = town.nearest_lane(place, LaneFilter::Sidewalk).expect("the town has sidewalks");
         assert!((town.pose(lane).position() - place).norm() <= town.lane_width(lane) / 2.0 + 1e-9);
-        assert!(scenario.obstacles.shows(spawn.ego.position(), (place, PedestrianBody::adult().radius), std::iter::empty()));
+        assert!(scenario.obstacles.shows(
+            spawn.ego.position(),
+            (place, PedestrianBody::adult().radius),
+            std::iter::empty()
+        ));
         assert!(spawn.ego.to_local(place).y > 0.0 || distance(&spawn) < 10.0);
         let seen = spawn.pedestrian.to_local(spawn.ego.position());
         assert!(libm::atan2(seen.y, seen.x).to_degrees() < 90.0);

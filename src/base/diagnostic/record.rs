@@ -48,7 +48,6 @@ pub struct Place {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlacedText {
     pub text: String,
-    /// The place.
     #[serde(flatten)]
     pub place: Place,
 }

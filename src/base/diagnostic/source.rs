@@ -44,7 +44,6 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Adds a text and names it.
     pub fn add(&mut self, path: impl AsRef<Path>, text: impl Into<String>) -> SourceId {
         self.push(path.as_ref(), Cow::Owned(text.into()), 0)
     }

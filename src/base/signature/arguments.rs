@@ -75,7 +75,6 @@ impl Arguments {
         &found.unwrap_or_else(|| panic!("checked: the signature has a key `{key}`")).1
     }
 
-    /// The value of a key, as this type.
     pub fn read<T: Held>(&self, key: &str) -> T {
         let value = self.value(key);
         T::held(value).unwrap_or_else(|| panic!("checked: `{key}` holds {value:?}"))

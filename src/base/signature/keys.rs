@@ -41,7 +41,6 @@ pub trait Held: Sized {
 
 /// A type in Rust that says all about the type of a key.
 pub trait Plain: Held {
-    /// The type of one value.
     fn single() -> Type;
 }
 
@@ -270,7 +269,6 @@ macro_rules! choice {
             /// All of them, in order.
             pub const ALL: [Self; [$(stringify!($Variant)),*].len()] = [$(Self::$Variant),*];
 
-            /// The one of this name.
             pub fn named(name: &str) -> Option<Self> {
                 match name {
                     $($($word)|+ => Some(Self::$Variant),)*

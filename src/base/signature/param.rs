@@ -231,7 +231,6 @@ fn with_units(dimension: Dimension, name: &str) -> String {
 pub struct Param {
     /// The key.
     pub name: &'static str,
-    /// The type of its value.
     pub ty: Type,
     /// The value when the key is not given, as written in a file. `None` if the key is required, and `Some("")`
     /// when it is optional and then absent.

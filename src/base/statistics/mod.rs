@@ -25,6 +25,8 @@ pub use normal::{normal_below, normal_quantile};
 pub use quantile::quantile;
 pub use sample::Sample;
 pub use sign_flip::sign_flip;
-pub use student::{MIN_RUNS, MIN_TESTED, mean_interval, mean_interval_at, mean_p, mean_p_of_rates, student_quantile_at, student_tails};
+pub use student::{
+    MIN_RUNS, MIN_TESTED, mean_interval, mean_interval_at, mean_p, mean_p_of_rates, student_quantile_at, student_tails,
+};
 pub use uncertainty::{Uncertainty, bounded_interval};
 pub use wilson::{wilson, wilson_at};

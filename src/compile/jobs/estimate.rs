@@ -48,7 +48,6 @@ pub(super) const BLOCK: JobBlock =
 #[derive(Debug, Clone)]
 pub struct Estimation {
     pub origin: Origin,
-    /// Name of the pedestrian.
     pub pedestrian: String,
     /// The requirement whose violations are estimated; empty for collisions.
     pub requirement: String,

@@ -3,66 +3,39 @@
 //! # Source
 //! `descriptor.proto` of protobuf; the messages are those of ASAM OSI 3.8.0.
 
-use prost::Message;
+use base::messages;
 
-#[derive(Clone, PartialEq, Message)]
-pub struct FileDescriptorSet {
-    #[prost(message, repeated, tag = "1")]
-    files: Vec<FileDescriptor>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct FileDescriptor {
-    #[prost(string, tag = "1")]
-    name: String,
-    #[prost(string, tag = "2")]
-    package: String,
-    #[prost(message, repeated, tag = "4")]
-    messages: Vec<Descriptor>,
-    #[prost(string, tag = "12")]
-    syntax: String,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Descriptor {
-    #[prost(string, tag = "1")]
-    name: String,
-    #[prost(message, repeated, tag = "2")]
-    fields: Vec<FieldDescriptor>,
-    #[prost(message, repeated, tag = "3")]
-    nested: Vec<Descriptor>,
-    #[prost(message, repeated, tag = "4")]
-    enums: Vec<EnumDescriptor>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct FieldDescriptor {
-    #[prost(string, tag = "1")]
-    name: String,
-    #[prost(int32, tag = "3")]
-    number: i32,
-    #[prost(int32, tag = "4")]
-    label: i32,
-    #[prost(int32, tag = "5")]
-    kind: i32,
-    #[prost(string, optional, tag = "6")]
-    type_name: Option<String>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct EnumDescriptor {
-    #[prost(string, tag = "1")]
-    name: String,
-    #[prost(message, repeated, tag = "2")]
-    values: Vec<EnumValue>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct EnumValue {
-    #[prost(string, tag = "1")]
-    name: String,
-    #[prost(int32, optional, tag = "2")]
-    number: Option<i32>,
+messages! {
+    FileDescriptorSet {
+        files: Vec<FileDescriptor> = 1 (message, repeated),
+    }
+    FileDescriptor {
+        name: String = 1 (string),
+        package: String = 2 (string),
+        messages: Vec<Descriptor> = 4 (message, repeated),
+        syntax: String = 12 (string),
+    }
+    Descriptor {
+        name: String = 1 (string),
+        fields: Vec<FieldDescriptor> = 2 (message, repeated),
+        nested: Vec<Descriptor> = 3 (message, repeated),
+        enums: Vec<EnumDescriptor> = 4 (message, repeated),
+    }
+    FieldDescriptor {
+        name: String = 1 (string),
+        number: i32 = 3 (int32),
+        label: i32 = 4 (int32),
+        kind: i32 = 5 (int32),
+        type_name: Option<String> = 6 (string, optional),
+    }
+    EnumDescriptor {
+        name: String = 1 (string),
+        values: Vec<EnumValue> = 2 (message, repeated),
+    }
+    EnumValue {
+        name: String = 1 (string),
+        number: Option<i32> = 2 (int32, optional),
+    }
 }
 
 /// The type of a field.
@@ -85,7 +58,6 @@ enum Kind {
 const OPTIONAL: i32 = 1;
 const REPEATED: i32 = 3;
 
-/// A field: its name, its number and its type.
 type Field = (&'static str, i32, Kind);
 
 /// The descriptor set of `osi3.GroundTruth`.

@@ -69,7 +69,7 @@ fn moving_object(number: usize, actor: &Actor, tick: usize, is_named: bool) -> M
             velocity: triple([motion.velocity.x, motion.velocity.y, 0.0]),
         }),
         kind: Some(if is_vehicle { VEHICLE } else { PEDESTRIAN }),
-        classification: attributes.map(|_| Classification { kind: Some(MEDIUM_CAR) }),
+        classification: attributes.as_ref().map(|_| Classification { kind: Some(MEDIUM_CAR) }),
         attributes,
         sources: is_named.then(source).into_iter().collect(),
     }

@@ -15,58 +15,51 @@ use prost::Message;
 use super::recording::{Channel, Recording};
 use super::{Episode, ExportError, ExportFile, Exporter, Variant, opendrive};
 
-/// The exporter of OSI traces in MCAP.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Osi;
-
 /// The versions of OSI and of protobuf: those of the package osi-python 3.8.0, by which the messages are tested.
 const VERSION: &str = "3.8.0";
 const PROTOBUF: &str = "7.36.2";
 
-impl Exporter for Osi {
-    fn name(&self) -> &'static str {
-        "osi"
-    }
+pub(super) const OSI: Exporter = Exporter {
+    name: "osi",
+    about: "ASAM OSI 3.8 ground truth in MCAP, a message a tick, with the OpenDRIVE map",
+    approximates: APPROXIMATES,
+    files,
+    ..Exporter::RECORDED
+};
 
-    fn about(&self) -> &'static str {
-        "ASAM OSI 3.8 ground truth in MCAP, a message a tick, with the OpenDRIVE map"
-    }
+const APPROXIMATES: &str =
+    "a pedestrian's disc is the square around it; lanes are in the map only; phases of traffic lights are left out";
 
-    fn approximates(&self) -> &'static str {
-        "a pedestrian's disc is the square around it; lanes are in the map only; phases of traffic lights are left out"
+fn files(episode: &Episode<'_>, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
+    let map = opendrive::map_file(&episode.scenario.town)?;
+    let mut recording = Recording::new();
+    let description = format!("{}; approximated: {}", episode.summary(), APPROXIMATES);
+    recording.metadata(
+        "net.asam.osi.trace",
+        &[
+            ("version", VERSION),
+            ("min_osi_version", VERSION),
+            ("max_osi_version", VERSION),
+            ("min_protobuf_version", PROTOBUF),
+            ("max_protobuf_version", PROTOBUF),
+            ("description", &description),
+        ],
+    );
+    let channel = recording.channel(&Channel {
+        topic: "ground_truth",
+        schema: "osi3.GroundTruth",
+        schema_encoding: "protobuf",
+        schema_data: &descriptor::descriptor().encode_to_vec(),
+        message_encoding: "protobuf",
+        metadata: &[
+            ("net.asam.osi.trace.channel.osi_version", VERSION),
+            ("net.asam.osi.trace.channel.protobuf_version", PROTOBUF),
+        ],
+    });
+    for (tick, message) in messages(episode, &map.name).enumerate() {
+        recording.message(channel, episode.nanos(tick), &message);
     }
-
-    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        let map = opendrive::map_file(&episode.scenario.town)?;
-        let mut recording = Recording::new();
-        let description = format!("{}; approximated: {}", episode.summary(), self.approximates());
-        recording.metadata(
-            "net.asam.osi.trace",
-            &[
-                ("version", VERSION),
-                ("min_osi_version", VERSION),
-                ("max_osi_version", VERSION),
-                ("min_protobuf_version", PROTOBUF),
-                ("max_protobuf_version", PROTOBUF),
-                ("description", &description),
-            ],
-        );
-        let channel = recording.channel(&Channel {
-            topic: "ground_truth",
-            schema: "osi3.GroundTruth",
-            schema_encoding: "protobuf",
-            schema_data: &descriptor::descriptor().encode_to_vec(),
-            message_encoding: "protobuf",
-            metadata: &[
-                ("net.asam.osi.trace.channel.osi_version", VERSION),
-                ("net.asam.osi.trace.channel.protobuf_version", PROTOBUF),
-            ],
-        });
-        for (tick, message) in messages(episode, &map.name).enumerate() {
-            recording.message(channel, episode.nanos(tick), &message);
-        }
-        Ok(vec![ExportFile { name: file_name(episode), bytes: recording.finish() }, map])
-    }
+    Ok(vec![ExportFile { name: file_name(episode), bytes: recording.finish() }, map])
 }
 
 /// The messages of all ticks.

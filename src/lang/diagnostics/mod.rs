@@ -1,5 +1,16 @@
 //! Every diagnostic of the language, one function per code, so that all wording is in one place.
 
+/// Declares diagnostics, each with its code, its message, and what else it says.
+macro_rules! diagnostics {
+    ($($name:ident($($given:ident: $of:ty),*) = $severity:ident($code:literal, $($message:tt)+) $(.$more:ident($($with:tt)*))*;)*) => {
+        $(
+            pub fn $name(span: Span $(, $given: $of)*) -> Diagnostic {
+                Diagnostic::$severity($code, span, format!($($message)+)) $(.$more($($with)*))*
+            }
+        )*
+    };
+}
+
 mod text;
 mod naming;
 mod values;

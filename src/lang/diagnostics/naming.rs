@@ -9,44 +9,43 @@ pub fn unknown_import<'a>(span: Span, word: &str, path: &str, known: impl IntoIt
     unknown("unknown-import", span, format!("`{path}` declares no `{}`", cut(word)), word, known)
 }
 
-/// A parameter depends on itself.
-pub fn param_cycle(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::error("param-cycle", span, format!("the parameter `{name}` depends on itself"))
-        .help("give one parameter of the cycle a value that names none of the others")
-}
-
-/// A parameter has the name of a variable of formulas.
-pub fn reserved_name(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::error("reserved-name", span, format!("`{name}` is already a variable of formulas"))
-        .help("give the parameter another name")
-}
-
-/// A parameter whose value is a word has the name of a word.
-pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::error("reserved-name", span, format!("`{name}` is already a word of the language"))
-        .help("give the parameter another name: it would replace the word wherever that is written")
+diagnostics! {
+    param_cycle(name: &str) = error("param-cycle", "the parameter `{name}` depends on itself")
+        .help("give one parameter of the cycle a value that names none of the others");
+    reserved_name(name: &str) = error("reserved-name", "`{name}` is already a variable of formulas").help("give the parameter another name");
+    reserved_word(name: &str) = error("reserved-name", "`{name}` is already a word of the language")
+        .help("give the parameter another name: it would replace the word wherever that is written");
+    bad_setting(reason: &str) = error("bad-setting", "this setting cannot be read: {reason}")
+        .help("write `name=value` for a parameter, or `declaration.key=value`");
+    repeated_setting(path: &str, first: Span) = error("bad-setting", "`{path}` is set twice").label(first, "first set here");
+    idle_axis(name: &str, campaign: &str) = warning("unused", "`{name}` has no effect on campaign `{campaign}`")
+        .here("all its combinations give the same results");
+    too_many_combinations(found: usize, limit: usize) = error("too-many-combinations", "this makes {found} combinations; at most {limit} are run");
+    missing_kind(form: &str, kinds: &[&str]) = error("missing-kind", "{} needs a kind", one(form))
+        .help(format!("write `{form} name = kind(…)`; the kinds are {}", quoted(kinds.iter().copied())));
+    missing_name(form: &str) = error("missing-name", "this {form} has no name").help(format!("write `{form} name …`"));
+    duplicate_key(word: &str, first: Span) = error("duplicate-key", "`{word}` is given twice").label(first, "first given here");
+    named_argument(key: &str) = error("named-argument", "functions take no keys such as `{key}`").help("write the arguments in order, without keys");
+    repeated_block(owner: &str, word: &str, first: Span) = error("repeated-block", "`{owner}` takes one block `{word}`")
+        .label(first, "the first is here");
+    unexpected_clause(owner: &str) = error("unexpected-clause", "`on` clauses are not allowed inside `{owner}`").help("they belong inside a `reward`");
+    duplicate_declaration(form: &str, name: &str, first: Span) = error("duplicate-declaration", "there are two declarations of {form} `{name}`")
+        .label(first, "the other is here");
+    kind_for_name(form: &str, word: &str) = error("unknown-name", "unknown {form} `{word}`")
+        .here(format!("this is a kind of {form}, not the name of one"))
+        .help(format!("declare one, and name it here: `{form} mine = {word}()`"));
+    kind_in_place(form: &str, written: &str) = error("unknown-name", "expected the name of a {form}, found a declaration of one")
+        .here("this is written in a declaration of its own")
+        .help(format!("declare it: `{form} mine = {}`, and write `mine` here", cut(written)));
+    unused(form: &str, name: &str) = warning("unused", "{form} `{name}` is never used");
+    long_name(limit: usize) = error("too-long", "this name has more than {limit} letters").help("files of the report are named after it");
+    long_combination(name: &str, limit: usize) = error("too-long", "a combination's name would have more than {limit} letters: `{}`", cut(name))
+        .help("give its parameters shorter names, or fewer of them");
 }
 
 /// The type of a parameter is not known.
 pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
     unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
-}
-
-/// A setting is not written as `name=value`.
-pub fn bad_setting(span: Span, reason: &str) -> Diagnostic {
-    Diagnostic::error("bad-setting", span, format!("this setting cannot be read: {reason}"))
-        .help("write `name=value` for a parameter, or `declaration.key=value`")
-}
-
-/// Two settings are for the same.
-pub fn repeated_setting(span: Span, path: &str, first: Span) -> Diagnostic {
-    Diagnostic::error("bad-setting", span, format!("`{path}` is set twice")).label(first, "first set here")
-}
-
-/// A matrix varies a parameter without effect on its campaign.
-pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
-    Diagnostic::warning("unused", span, format!("`{name}` has no effect on campaign `{campaign}`"))
-        .here("all its combinations give the same results")
 }
 
 /// A setting names nothing.
@@ -63,15 +62,6 @@ pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
     }
     let offers: Vec<String> = forms.iter().map(|form| format!("{form}.{word}.…")).collect();
     ambiguous.help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
-}
-
-/// A matrix gives too many combinations.
-pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnostic {
-    Diagnostic::error(
-        "too-many-combinations",
-        span,
-        format!("this makes {found} combinations; at most {limit} are run"),
-    )
 }
 
 /// The first word of a declaration is not a form.
@@ -92,25 +82,9 @@ pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagn
     unknown("unknown-kind", span, format!("unknown kind `{}` of {form}", cut(word)), word, kinds.iter().copied())
 }
 
-/// A form needs a kind and has none.
-pub fn missing_kind(span: Span, form: &str, kinds: &[&str]) -> Diagnostic {
-    Diagnostic::error("missing-kind", span, format!("{} needs a kind", one(form)))
-        .help(format!("write `{form} name = kind(…)`; the kinds are {}", quoted(kinds.iter().copied())))
-}
-
-/// A declaration has no name.
-pub fn missing_name(span: Span, form: &str) -> Diagnostic {
-    Diagnostic::error("missing-name", span, format!("this {form} has no name")).help(format!("write `{form} name …`"))
-}
-
 /// A key is not in the signature.
 pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
     unknown("unknown-key", span, format!("`{owner}` has no key `{}`", cut(word)), word, keys.iter().copied())
-}
-
-/// A key is given twice.
-pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
-    Diagnostic::error("duplicate-key", span, format!("`{word}` is given twice")).label(first, "first given here")
 }
 
 /// Keys without default are not given; there is at least one.
@@ -138,12 +112,6 @@ pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
     }
 }
 
-/// Arguments of a function have keys.
-pub fn named_argument(span: Span, key: &str) -> Diagnostic {
-    Diagnostic::error("named-argument", span, format!("functions take no keys such as `{key}`"))
-        .help("write the arguments in order, without keys")
-}
-
 /// A block may not stand here.
 pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str]) -> Diagnostic {
     let message = format!("`{owner}` has no block `{}`", cut(word));
@@ -151,24 +119,6 @@ pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str]) -> Di
         return Diagnostic::error("unknown-block", span, message).here("no blocks are allowed here");
     }
     unknown("unknown-block", span, message, word, blocks.iter().copied())
-}
-
-/// A block that is allowed once stands here again.
-pub fn repeated_block(span: Span, owner: &str, word: &str, first: Span) -> Diagnostic {
-    Diagnostic::error("repeated-block", span, format!("`{owner}` takes one block `{word}`"))
-        .label(first, "the first is here")
-}
-
-/// An `on` clause may not stand here.
-pub fn unexpected_clause(span: Span, owner: &str) -> Diagnostic {
-    Diagnostic::error("unexpected-clause", span, format!("`on` clauses are not allowed inside `{owner}`"))
-        .help("they belong inside a `reward`")
-}
-
-/// Two declarations of a form share a name.
-pub fn duplicate_declaration(span: Span, form: &str, name: &str, first: Span) -> Diagnostic {
-    Diagnostic::error("duplicate-declaration", span, format!("there are two declarations of {form} `{name}`"))
-        .label(first, "the other is here")
 }
 
 /// A reference leads to no declaration.
@@ -201,39 +151,4 @@ pub fn other_form<'a>(
         .here(format!("this is {}", one(other)));
     let known: Vec<&str> = known.into_iter().collect();
     if known.is_empty() { diagnostic } else { diagnostic.help(format!("known here: {}", quoted(known))) }
-}
-
-/// A reference names a kind.
-pub fn kind_for_name(span: Span, form: &str, word: &str) -> Diagnostic {
-    Diagnostic::error("unknown-name", span, format!("unknown {form} `{word}`"))
-        .here(format!("this is a kind of {form}, not the name of one"))
-        .help(format!("declare one, and name it here: `{form} mine = {word}()`"))
-}
-
-/// A kind with its keys stands where the name of a declaration is expected.
-pub fn kind_in_place(span: Span, form: &str, written: &str) -> Diagnostic {
-    Diagnostic::error("unknown-name", span, format!("expected the name of a {form}, found a declaration of one"))
-        .here("this is written in a declaration of its own")
-        .help(format!("declare it: `{form} mine = {}`, and write `mine` here", cut(written)))
-}
-
-/// A declaration is never used.
-pub fn unused(span: Span, form: &str, name: &str) -> Diagnostic {
-    Diagnostic::warning("unused", span, format!("{form} `{name}` is never used"))
-}
-
-/// A name is too long for the files that are named after it.
-pub fn long_name(span: Span, limit: usize) -> Diagnostic {
-    Diagnostic::error("too-long", span, format!("this name has more than {limit} letters"))
-        .help("files of the report are named after it")
-}
-
-/// The name of a combination is too long for the files that are named after it.
-pub fn long_combination(span: Span, name: &str, limit: usize) -> Diagnostic {
-    Diagnostic::error(
-        "too-long",
-        span,
-        format!("a combination's name would have more than {limit} letters: `{}`", cut(name)),
-    )
-    .help("give its parameters shorter names, or fewer of them")
 }

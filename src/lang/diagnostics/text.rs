@@ -6,9 +6,18 @@ use super::super::{library, reason};
 use base::diagnostic::{Diagnostic, Span};
 use base::suggest::nearest;
 
-/// A statement has no shape the grammar knows.
-pub fn syntax(span: Span, text: String) -> Diagnostic {
-    Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
+diagnostics! {
+    syntax(text: String) = error("syntax", "this statement cannot be read").here(text);
+    stray_bracket() = error("stray-bracket", "this bracket closes nothing").help("remove it, or add the opening bracket");
+    mismatched_bracket(opening: Span, bracket: char) = error("mismatched-bracket", "this does not close `{bracket}`").label(opening, OPENED);
+    too_deep(limit: usize) = error("too-deep", "brackets nest deeper than {limit} levels");
+    too_long(limit: usize) = error("too-long", "this expression has more than {limit} terms and signs");
+    unclosed_comment() = error("unclosed-comment", "this comment is never closed").help("close it with `*/`");
+    too_large(bytes: usize, limit: usize) = error("too-large", "the file has {bytes} bytes; at most {limit} are read");
+    missing_edition() = error("missing-edition", "the file does not name its edition")
+        .here("write `edition 1` first, so that later versions of the language read the file the same way")
+        .fix("edition 1\n");
+    unknown_edition(edition: f64) = error("unknown-edition", "edition {edition} is not known").here("this program reads edition 1").fix("1");
 }
 
 /// A bracket is never closed; a text that is not closed may have swallowed its partner.
@@ -18,53 +27,8 @@ pub fn unclosed_bracket(span: Span, bracket: char, unended: Option<Span>) -> Dia
     unended.into_iter().fold(diagnostic, |said, text| said.label(text, "this text is not closed on its line"))
 }
 
-/// A closing bracket has no partner.
-pub fn stray_bracket(span: Span) -> Diagnostic {
-    Diagnostic::error("stray-bracket", span, "this bracket closes nothing")
-        .help("remove it, or add the opening bracket")
-}
-
 /// The label of an opening bracket.
 pub(crate) const OPENED: &str = "opened here";
-
-/// A closing bracket meets another kind of opening one.
-pub fn mismatched_bracket(span: Span, opening: Span, bracket: char) -> Diagnostic {
-    Diagnostic::error("mismatched-bracket", span, format!("this does not close `{bracket}`")).label(opening, OPENED)
-}
-
-/// Brackets nest too deep.
-pub fn too_deep(span: Span, limit: usize) -> Diagnostic {
-    Diagnostic::error("too-deep", span, format!("brackets nest deeper than {limit} levels"))
-}
-
-/// An expression is too long.
-pub fn too_long(span: Span, limit: usize) -> Diagnostic {
-    Diagnostic::error("too-long", span, format!("this expression has more than {limit} terms and signs"))
-}
-
-/// A comment is never closed.
-pub fn unclosed_comment(span: Span) -> Diagnostic {
-    Diagnostic::error("unclosed-comment", span, "this comment is never closed").help("close it with `*/`")
-}
-
-/// A file is too large.
-pub fn too_large(span: Span, bytes: usize, limit: usize) -> Diagnostic {
-    Diagnostic::error("too-large", span, format!("the file has {bytes} bytes; at most {limit} are read"))
-}
-
-/// The file does not say which edition of the language it is written in.
-pub fn missing_edition(span: Span) -> Diagnostic {
-    Diagnostic::error("missing-edition", span, "the file does not name its edition")
-        .here("write `edition 1` first, so that later versions of the language read the file the same way")
-        .fix("edition 1\n")
-}
-
-/// The edition is not one this program reads.
-pub fn unknown_edition(span: Span, edition: f64) -> Diagnostic {
-    Diagnostic::error("unknown-edition", span, format!("edition {edition} is not known"))
-        .here("this program reads edition 1")
-        .fix("1")
-}
 
 /// The edition is given again, or late.
 pub fn misplaced_edition(span: Span, first: Option<Span>) -> Diagnostic {

@@ -5,9 +5,44 @@ use base::diagnostic::{Diagnostic, Label, Span};
 use base::signature::{Param, Type};
 use base::units::Dimension;
 
-/// A value has another type than its key.
-pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, format!("expected {}, found {found}", one(expected.describe())))
+diagnostics! {
+    wrong_type(expected: &Type, found: &str) = error("wrong-type", "expected {}, found {found}", one(expected.describe()));
+    axis_range() = error("wrong-type", "a matrix takes a list of values, not a range").help("write `[a, b]`");
+    chained(middle: Span) = error("wrong-type", "a comparison has two sides")
+        .label(middle, "compared with both")
+        .help("compare twice: `low < it and it < high`");
+    out_of_range(found: String, bounds: String) = error("out-of-range", "{found} is out of range").here(format!("allowed: {bounds}"));
+    not_finite(why: &str) = error("no-value", "this part of a formula has no value").here(why.to_string());
+    maybe_nothing(why: &str, help: &str) = error("no-value", "this part of a formula may have no value").here(why).help(help);
+    too_much(limit: f64) = error("no-value", "this value may be too large")
+        .here(format!("a reward must be between -{limit:e} and {limit:e}"))
+        .help("scale it, or limit its parts: `min(…, 100)`");
+    nothing_left(distribution: Span, range: Span) = error("nothing-left", "nothing can be drawn from this")
+        .label(distribution, "no value of this")
+        .label(range, "lies in this range");
+    too_many_parts(limit: usize) = error("too-many-parts", "this distribution has more than {limit} parts")
+        .help("every `choice` has the parts of all that it names: use fewer, or a range");
+    empty_range() = error("empty-range", "this range is empty: its low end lies above its high end");
+    not_whole(written: &str) = error("not-whole", "expected a whole number, found {}", cut(written)).help("digits may be grouped by `_`: `100_000`");
+    empty_list() = error("empty-list", "this list is empty").help("name at least one member");
+    repeated_member(written: &str, first: Span) = error("repeated-member", "`{written}` is in this list twice").label(first, "first here");
+    wrong_arity(function: &str, expected: &str, found: usize) = error("wrong-arity", "`{function}` takes {expected}, found {found}");
+    not_a(wanted: &str, found: &str) = error("wrong-type", "expected {}, found {}", one(wanted), one(found));
+    role_outside() = error("unavailable-variable", "a signal of a role belongs in a requirement")
+        .help("declare `requirement name = …` with it; a reward can name `robustness(name)`, and a search can have it as its `goal`");
+    robustness_outside() = error("wrong-type", "`robustness` belongs in a reward")
+        .help("there it is how far an episode is from violating the requirement: `on lost => -robustness(slow_pass)`");
+    temporal_in_formula(word: &str) = error("wrong-type", "`{word}` belongs in a requirement, around conditions")
+        .help("declare one: `requirement name = always(gap > 0.5 m)`; a campaign names it in `requirements`");
+    wrong_bound(found: usize) = error("wrong-type", "a bound has two times, found {found}")
+        .help("from and to, both included, after the present sample: `[0 s, 2 s]`");
+    foregone(truth: bool) = error("foregone", "this comparison is always {truth}")
+        .here("so it is for all values within the bounds of what it names")
+        .help("`falsify explain NAME` gives the bounds of a variable");
+    only_at_start() = warning("start-only", "this requirement is about the start of an episode only")
+        .here("without `always`, `eventually` or `until` only the first sample counts")
+        .help("for all samples write `always(…)`");
+    duplicate_clause(first: Span) = error("duplicate-clause", "this event already has a clause").label(first, "the first is here");
 }
 
 /// A bare number stands where a unit is needed.
@@ -15,11 +50,6 @@ pub fn missing_unit(span: Span, dimension: Dimension, written: &str) -> Diagnost
     let units: Vec<String> = dimension.usual_units().iter().map(|unit| format!("{written} {unit}")).collect();
     Diagnostic::error("missing-unit", span, format!("{} needs a unit", one(dimension)))
         .help(format!("with its unit: {}", quoted(units.iter().map(String::as_str))))
-}
-
-/// A range stands where a matrix takes values one by one.
-pub fn axis_range(span: Span) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, "a matrix takes a list of values, not a range").help("write `[a, b]`")
 }
 
 /// Shows the dimension of the key of a value with a wrong unit, or without one.
@@ -85,35 +115,6 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
         .help("the word after a number is its unit; any other word follows a sign, a comma or a new line")
 }
 
-/// Two comparisons share a quantity.
-pub fn chained(span: Span, middle: Span) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, "a comparison has two sides")
-        .label(middle, "compared with both")
-        .help("compare twice: `low < it and it < high`")
-}
-
-/// A value lies outside its bounds.
-pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
-    Diagnostic::error("out-of-range", span, format!("{found} is out of range")).here(format!("allowed: {bounds}"))
-}
-
-/// A part of a formula never has a value.
-pub fn not_finite(span: Span, why: &str) -> Diagnostic {
-    Diagnostic::error("no-value", span, "this part of a formula has no value").here(why.to_string())
-}
-
-/// A part of a formula may have no value.
-pub fn maybe_nothing(span: Span, why: &str, help: &str) -> Diagnostic {
-    Diagnostic::error("no-value", span, "this part of a formula may have no value").here(why).help(help)
-}
-
-/// A reward is beyond the range of the learners' numbers.
-pub fn too_much(span: Span, limit: f64) -> Diagnostic {
-    Diagnostic::error("no-value", span, "this value may be too large")
-        .here(format!("a reward must be between -{limit:e} and {limit:e}"))
-        .help("scale it, or limit its parts: `min(…, 100)`")
-}
-
 /// A distribution reaches beyond the bounds of its key.
 pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
     let diagnostic =
@@ -125,40 +126,6 @@ pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
 pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnostic {
     let message = format!("unknown distribution `{}`", cut(word));
     unknown("unknown-distribution", span, message, word, known.iter().copied())
-}
-
-/// Nothing of a distribution lies within a range.
-pub fn nothing_left(span: Span, distribution: Span, range: Span) -> Diagnostic {
-    Diagnostic::error("nothing-left", span, "nothing can be drawn from this")
-        .label(distribution, "no value of this")
-        .label(range, "lies in this range")
-}
-
-/// A distribution has more parts than are kept.
-pub fn too_many_parts(span: Span, limit: usize) -> Diagnostic {
-    Diagnostic::error("too-many-parts", span, format!("this distribution has more than {limit} parts"))
-        .help("every `choice` has the parts of all that it names: use fewer, or a range")
-}
-
-/// A range's low end is above its high end.
-pub fn empty_range(span: Span) -> Diagnostic {
-    Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end")
-}
-
-/// A whole number has a fraction, or is written with a point.
-pub fn not_whole(span: Span, written: &str) -> Diagnostic {
-    Diagnostic::error("not-whole", span, format!("expected a whole number, found {}", cut(written)))
-        .help("digits may be grouped by `_`: `100_000`")
-}
-
-/// A list has no members.
-pub fn empty_list(span: Span) -> Diagnostic {
-    Diagnostic::error("empty-list", span, "this list is empty").help("name at least one member")
-}
-
-/// A list names something twice.
-pub fn repeated_member(span: Span, written: &str, first: Span) -> Diagnostic {
-    Diagnostic::error("repeated-member", span, format!("`{written}` is in this list twice")).label(first, "first here")
 }
 
 /// A word is not among the choices.
@@ -193,11 +160,6 @@ pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
     unknown("unknown-function", span, message, word, known.iter().copied())
 }
 
-/// A function has the wrong number of arguments.
-pub fn wrong_arity(span: Span, function: &str, expected: &str, found: usize) -> Diagnostic {
-    Diagnostic::error("wrong-arity", span, format!("`{function}` takes {expected}, found {found}"))
-}
-
 /// A plain number is compared with a quantity, or added to one.
 pub fn bare_number(span: Span, dimension: Dimension, written: &str, other: Span) -> Diagnostic {
     missing_unit(span, dimension, written).label(other, format!("this is {}", one(dimension)))
@@ -216,11 +178,6 @@ pub fn mixed_dimensions(left: Span, first: Dimension, right: Span, second: Dimen
         }
         _ => diagnostic,
     }
-}
-
-/// A condition stands where a quantity is wanted, or the other way round.
-pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, format!("expected {}, found {}", one(wanted), one(found)))
 }
 
 /// A clause names an unknown event.
@@ -246,47 +203,4 @@ pub fn nameless_event<'a>(span: Span, event: &str, form: &str, known: impl Itera
         Some(first) => said.help(format!("write `on {event}({first})`; known here: `{}`", known.join("`, `"))),
         None => said.help(format!("declare a {form}, and write its name in parentheses: `on {event}(name)`")),
     }
-}
-
-/// A signal of a role is used outside of requirements.
-pub fn role_outside(span: Span) -> Diagnostic {
-    Diagnostic::error("unavailable-variable", span, "a signal of a role belongs in a requirement")
-        .help("declare `requirement name = …` with it; a reward can name `robustness(name)`, and a search can have it as its `goal`")
-}
-
-/// The robustness of a requirement is used outside of rewards.
-pub fn robustness_outside(span: Span) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, "`robustness` belongs in a reward")
-        .help("there it is how far an episode is from violating the requirement: `on lost => -robustness(slow_pass)`")
-}
-
-/// A temporal operator stands inside a formula of quantities.
-pub fn temporal_in_formula(span: Span, word: &str) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, format!("`{word}` belongs in a requirement, around conditions"))
-        .help("declare one: `requirement name = always(gap > 0.5 m)`; a campaign names it in `requirements`")
-}
-
-/// A bound has not two ends.
-pub fn wrong_bound(span: Span, found: usize) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, format!("a bound has two times, found {found}"))
-        .help("from and to, both included, after the present sample: `[0 s, 2 s]`")
-}
-
-/// A comparison has the same result for all values of its variables.
-pub fn foregone(span: Span, truth: bool) -> Diagnostic {
-    Diagnostic::error("foregone", span, format!("this comparison is always {truth}"))
-        .here("so it is for all values within the bounds of what it names")
-        .help("`falsify explain NAME` gives the bounds of a variable")
-}
-
-/// A requirement without a temporal operator.
-pub fn only_at_start(span: Span) -> Diagnostic {
-    Diagnostic::warning("start-only", span, "this requirement is about the start of an episode only")
-        .here("without `always`, `eventually` or `until` only the first sample counts")
-        .help("for all samples write `always(…)`")
-}
-
-/// Two clauses name the same event.
-pub fn duplicate_clause(span: Span, first: Span) -> Diagnostic {
-    Diagnostic::error("duplicate-clause", span, "this event already has a clause").label(first, "the first is here")
 }

@@ -3,14 +3,56 @@
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::short;
 
-/// A map file cannot be used.
-pub fn unusable_map(span: Span, path: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("unusable-map", span, format!("cannot use the map `{path}`: {reason}"))
-}
-
-/// A town written in the language cannot be built.
-pub fn unbuildable_town(span: Span, reason: &str) -> Diagnostic {
-    Diagnostic::error("unbuildable-town", span, format!("this town cannot be built: {reason}"))
+diagnostics! {
+    unusable_map(path: &str, reason: &str) = error("unusable-map", "cannot use the map `{path}`: {reason}");
+    unbuildable_town(reason: &str) = error("unbuildable-town", "this town cannot be built: {reason}");
+    nothing_to_compare() = warning("unused", "these figures are compared with nothing")
+        .here("they belong to rewards, and this campaign trains no pedestrian for a reward");
+    sensors_without_effect(kind: &str) = warning("unused", "these sensors have no effect")
+        .here(format!("`{kind}` perceives no actors"))
+        .help("remove the key, or use a driver that perceives actors, such as `idm`");
+    other_tick(policy: &str, made_for: f64, tick: f64, episode: Span) = warning("other-tick", "`{policy}` is made for ticks of {made_for} s")
+        .label(episode, format!("ticks here are {tick} s long"))
+        .help("it counts its delays in ticks, so it reacts faster or slower than its original");
+    unplaceable(town: &str, reason: &str) = error("unplaceable", "no episode can start in `{town}`: {reason}")
+        .help("`falsify check --sample 1000` shows what each constraint leaves");
+    goalless_search(requirement: &str) = warning("goalless-search", "this search looks for collisions alone, whatever the campaign requires")
+        .help(format!("write `goal: {requirement}` to look for its violations"));
+    paid_waiting(reward: &str, waiting: f64, hit: f64) = warning("paid-waiting", "`{reward}` pays more for an episode without a touch than for any touch")
+        .here(format!("at least {} in a whole episode; a touch earns at most {}", short(waiting), short(hit)))
+        .help("a learner will keep away from the car; pay less for a step, or more for a touch");
+    never_positive(reward: &str) = warning("never-positive", "no episode can earn more than 0 with `{reward}`")
+        .here("every clause pays 0 or less")
+        .help("a learner or a search then looks for the episode that costs least: pay for what the pedestrian is to reach");
+    small_budget(budget: u64, ticks: u32) = warning("small-budget", "a budget of {budget} ticks does not hold one whole episode")
+        .here(format!("an episode may last {ticks} ticks"))
+        .help("what a search does not find with so few ticks says nothing about the driver");
+    rare_starts(town: &str, found: &str) = warning("rare-starts", "few starts in `{town}` satisfy all constraints: {found}")
+        .help("a condition that bounds `bearing`, `distance` or `ego_speed` alone, such as `distance > 10 m`, costs nothing")
+        .help("drawing a start takes long; `falsify check --sample 1000` shows what each constraint leaves");
+    unreachable(town: &str, speed: f64, time: f64) = warning("unreachable", "no pedestrian can meet the car in `{town}` before the episode ends")
+        .here(format!("the episode lasts {} s, and the pedestrian walks at most {speed:.1} m/s", short(time)))
+        .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `body`");
+    partial_test(episodes: u32, cases: u32) = warning("partial-test", "this is not a multiple of the cases of the test")
+        .here(format!("{episodes} episode{} for {cases} cases", if episodes == 1 { "" } else { "s" }))
+        .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"));
+    untested(test: &str) = warning("untested", "nobody walks the test `{test}` as it states")
+        .here("so it has no row in the table `protocol`")
+        .help("name `scripted` here, too");
+    sees_through(driver: &str, test: &str) = warning("sees-through", "`{driver}` sees the target of `{test}` through the parked cars")
+        .here("its sensors are `perfect`, or have no `least_visible`")
+        .help("give the driver sensors that obstacles hide actors from: `sensors: sight` of `std/sensors.scn`");
+    far_from_streets(far: f64) = warning("out-of-reach", "this is more than {far} m from every street").here("no car passes it or sees it there");
+    sign_off_lanes() = warning("out-of-reach", "this sign is on no driving lane")
+        .here("no car passes it")
+        .help("`at` is the middle of the lane where the limit begins");
+    unusable_command(command: &str, reason: &str) = error("unusable-command", "cannot use the command `{command}`: {reason}")
+        .help("the command is split at blanks; single quotes keep blanks together; no shell runs it");
+    slow_model(path: &str, seconds: f64) = warning("slow-model", "the model `{path}` takes {seconds:.1} s for a decision")
+        .here(format!("an episode with 600 of them takes {:.0} minutes", seconds * 10.0))
+        .help("use a smaller network, or one without loops and wide layers");
+    untrusted_model(path: &str, reason: &str) = error("unusable-model", "cannot use the model `{path}`: {reason}")
+        .help("use a smaller network, or run it in a program of your own (`external`)");
 }
 
 /// Values that are fine alone contradict each other.
@@ -36,19 +78,6 @@ pub fn removal_search(span: Span) -> Diagnostic {
     contradiction(span, message.into()).help("give the `method` a `training` with `credit: team` or `credit: own`")
 }
 
-/// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.
-pub fn nothing_to_compare(span: Span) -> Diagnostic {
-    Diagnostic::warning("unused", span, "these figures are compared with nothing")
-        .here("they belong to rewards, and this campaign trains no pedestrian for a reward")
-}
-
-/// A driver that perceives no actors has sensors.
-pub fn sensors_without_effect(span: Span, kind: &str) -> Diagnostic {
-    Diagnostic::warning("unused", span, "these sensors have no effect")
-        .here(format!("`{kind}` perceives no actors"))
-        .help("remove the key, or use a driver that perceives actors, such as `idm`")
-}
-
 /// A value lies above one that it must not exceed.
 pub fn not_rising(span: Span, low: &str, high: &str, other: Option<Span>) -> Diagnostic {
     let diagnostic = contradiction(span, format!("`{low}` is more than `{high}`"));
@@ -56,13 +85,6 @@ pub fn not_rising(span: Span, low: &str, high: &str, other: Option<Span>) -> Dia
         Some(other) => diagnostic.label(other, format!("`{low}` is given here")),
         None => diagnostic,
     }
-}
-
-/// A driver is made for ticks of another length.
-pub fn other_tick(span: Span, policy: &str, made_for: f64, tick: f64, episode: Span) -> Diagnostic {
-    Diagnostic::warning("other-tick", span, format!("`{policy}` is made for ticks of {made_for} s"))
-        .label(episode, format!("ticks here are {tick} s long"))
-        .help("it counts its delays in ticks, so it reacts faster or slower than its original")
 }
 
 /// Parts of a map were skipped or guessed.
@@ -74,12 +96,6 @@ pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
         diagnostic = diagnostic.help(warning.clone());
     }
     diagnostic.help(format!("`falsify preview {path}` lists them all"))
-}
-
-/// No pedestrian can be placed at the start of an episode.
-pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("unplaceable", span, format!("no episode can start in `{town}`: {reason}"))
-        .help("`falsify check --sample 1000` shows what each constraint leaves")
 }
 
 /// A bound of a requirement reaches beyond the end of the longest episode (s).
@@ -97,59 +113,6 @@ pub fn bound_between_ticks(span: Span, formula: Span, name: &str, bound: &str, t
     contradiction(span, format!("no tick lies in the bound `{bound}` of `{name}`"))
         .label(formula, "the formula is here")
         .help(format!("ticks are {} s apart; the present sample is at 0 s", short(tick)))
-}
-
-/// A search looks for collisions alone, and the campaign requires more.
-pub fn goalless_search(span: Span, requirement: &str) -> Diagnostic {
-    Diagnostic::warning(
-        "goalless-search",
-        span,
-        "this search looks for collisions alone, whatever the campaign requires",
-    )
-    .help(format!("write `goal: {requirement}` to look for its violations"))
-}
-
-/// A reward pays at least as much for an episode without a touch as for any touch.
-pub fn paid_waiting(span: Span, reward: &str, waiting: f64, hit: f64) -> Diagnostic {
-    Diagnostic::warning(
-        "paid-waiting",
-        span,
-        format!("`{reward}` pays more for an episode without a touch than for any touch"),
-    )
-    .here(format!("at least {} in a whole episode; a touch earns at most {}", short(waiting), short(hit)))
-    .help("a learner will keep away from the car; pay less for a step, or more for a touch")
-}
-
-/// No clause of a reward can pay more than 0.
-pub fn never_positive(span: Span, reward: &str) -> Diagnostic {
-    Diagnostic::warning("never-positive", span, format!("no episode can earn more than 0 with `{reward}`"))
-        .here("every clause pays 0 or less")
-        .help("a learner or a search then looks for the episode that costs least: pay for what the pedestrian is to reach")
-}
-
-/// The budget of a search does not hold one whole episode (ticks).
-pub fn small_budget(span: Span, budget: u64, ticks: u32) -> Diagnostic {
-    Diagnostic::warning("small-budget", span, format!("a budget of {budget} ticks does not hold one whole episode"))
-        .here(format!("an episode may last {ticks} ticks"))
-        .help("what a search does not find with so few ticks says nothing about the driver")
-}
-
-/// Few starts satisfy all constraints.
-pub fn rare_starts(span: Span, town: &str, found: &str) -> Diagnostic {
-    Diagnostic::warning("rare-starts", span, format!("few starts in `{town}` satisfy all constraints: {found}"))
-        .help("a condition that bounds `bearing`, `distance` or `ego_speed` alone, such as `distance > 10 m`, costs nothing")
-        .help("drawing a start takes long; `falsify check --sample 1000` shows what each constraint leaves")
-}
-
-/// No pedestrian can meet the car within an episode: its maximum speed (m/s), and the time of the episode (s).
-pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic {
-    Diagnostic::warning(
-        "unreachable",
-        span,
-        format!("no pedestrian can meet the car in `{town}` before the episode ends"),
-    )
-    .here(format!("the episode lasts {} s, and the pedestrian walks at most {speed:.1} m/s", short(time)))
-    .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `body`")
 }
 
 /// A bend, or a turn in a junction, asks a car at a speed limit (m/s) for more lateral acceleration than drivers allow: radius of the lane (m), and
@@ -190,13 +153,6 @@ pub fn uncopied_removal(span: Span) -> Diagnostic {
     .help("`credit: team` and `credit: own` need no copy")
 }
 
-/// A test of a protocol has more cases than episodes, or some cases are run once more than others.
-pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
-    Diagnostic::warning("partial-test", span, "this is not a multiple of the cases of the test")
-        .here(format!("{episodes} episode{} for {cases} cases", if episodes == 1 { "" } else { "s" }))
-        .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"))
-}
-
 /// A car that brakes for nobody passes cases of a test: their number, and that of all cases.
 pub fn idle_test(span: Span, test: &str, passed: usize, cases: usize) -> Diagnostic {
     let message = format!("a car that never brakes passes {passed} of the {cases} cases of `{test}`");
@@ -208,38 +164,11 @@ pub fn idle_test(span: Span, test: &str, passed: usize, cases: usize) -> Diagnos
     idle.help("car and target do not meet: give the `episode` more `ticks` than the `headway` takes, and a longer road")
 }
 
-/// A test of a protocol without its own target.
-pub fn untested(span: Span, test: &str) -> Diagnostic {
-    Diagnostic::warning("untested", span, format!("nobody walks the test `{test}` as it states"))
-        .here("so it has no row in the table `protocol`")
-        .help("name `scripted` here, too")
-}
-
-/// A driver sees the target of a test behind the parked cars that should hide it.
-pub fn sees_through(span: Span, driver: &str, test: &str) -> Diagnostic {
-    Diagnostic::warning("sees-through", span, format!("`{driver}` sees the target of `{test}` through the parked cars"))
-        .here("its sensors are `perfect`, or have no `least_visible`")
-        .help("give the driver sensors that obstacles hide actors from: `sensors: sight` of `std/sensors.scn`")
-}
-
 /// A controller cannot walk as this adversary.
 pub fn unfit_pedestrian(span: Span, controller: &str, adversary: &str, reason: &str) -> Diagnostic {
     let message = format!("`{controller}` cannot walk as the `body` `{adversary}`: {reason}");
     Diagnostic::error("unfit-pedestrian", span, message)
         .help("give the campaign, or `bodies` of this block, the `body` of its training")
-}
-
-/// Something is farther (m) from every street than any actor.
-pub fn far_from_streets(span: Span, far: f64) -> Diagnostic {
-    Diagnostic::warning("out-of-reach", span, format!("this is more than {far} m from every street"))
-        .here("no car passes it or sees it there")
-}
-
-/// A sign is where no car drives.
-pub fn sign_off_lanes(span: Span) -> Diagnostic {
-    Diagnostic::warning("out-of-reach", span, "this sign is on no driving lane")
-        .here("no car passes it")
-        .help("`at` is the middle of the lane where the limit begins")
 }
 
 /// Whether a diagnostic reports that no start is possible.
@@ -265,27 +194,8 @@ pub fn external_not_allowed(said: &mut Vec<Diagnostic>, span: Span, command: &st
     said.push(first);
 }
 
-/// A command cannot be split into a program and its arguments.
-pub fn unusable_command(span: Span, command: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("unusable-command", span, format!("cannot use the command `{command}`: {reason}"))
-        .help("the command is split at blanks; single quotes keep blanks together; no shell runs it")
-}
-
 /// A model of a learnt driver cannot be used. Without a file, the help says where it is looked for.
 pub fn unusable_model(span: Span, path: &str, reason: &str, is_missing: bool) -> Diagnostic {
     let unusable = Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"));
     if is_missing { unusable.help("paths are relative to the folder of the file that names them") } else { unusable }
-}
-
-/// A network takes this long (s) for a decision.
-pub fn slow_model(span: Span, path: &str, seconds: f64) -> Diagnostic {
-    Diagnostic::warning("slow-model", span, format!("the model `{path}` takes {seconds:.1} s for a decision"))
-        .here(format!("an episode with 600 of them takes {:.0} minutes", seconds * 10.0))
-        .help("use a smaller network, or one without loops and wide layers")
-}
-
-/// A network takes too much memory or time.
-pub fn untrusted_model(span: Span, path: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"))
-        .help("use a smaller network, or run it in a program of your own (`external`)")
 }

@@ -16,12 +16,10 @@ pub struct Token<'a> {
     pub ends_line: bool,
     /// Whether a statement starts here, and whether that is a property or a clause.
     pub statement: Option<bool>,
-    /// Whether it opens a block.
     pub opens_block: bool,
 }
 
 impl Token<'_> {
-    /// Whether it is a comment.
     pub fn is_comment(&self) -> bool {
         self.kind.is_comment()
     }

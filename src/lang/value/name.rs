@@ -105,7 +105,6 @@ fn named(
     None
 }
 
-/// Whether a form has a kind of this name.
 fn has_kind(form: &str, word: &str, context: &Context<'_>) -> bool {
     let mut kinds = context.forms.iter().filter(|each| each.name == form).flat_map(|each| &each.kinds);
     kinds.any(|kind| kind.name == word)

@@ -27,7 +27,6 @@ pub(super) fn single(
     Some(Value::Number(number))
 }
 
-/// A whole number.
 pub(super) fn whole(
     expression: &Expression,
     ty: &Type,

@@ -18,7 +18,6 @@ use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use base::suggest::nearest;
 use lang::reason;
 
-/// The name of the file.
 pub const FILE: &str = "falsify.toml";
 
 /// The settings, with the variables of the environment that also set them. Each is the option of `falsify run` with the same name, which

@@ -21,7 +21,6 @@ use fix::fix;
 use lang::{Reader, reason};
 use world_trial::{compare_lanes, try_world};
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify check my.scn                       draw every error under its line
@@ -98,7 +97,6 @@ impl Reader for InputAndFiles {
     }
 }
 
-/// `falsify check`
 pub fn check(options: &CheckArgs) -> Ended {
     if let Some(world) = &options.trial.world {
         return if options.files.is_empty() {

@@ -21,7 +21,6 @@ pub const MAX_SHOWN: usize = 10;
 /// Maximum number of changes that a page plays.
 const MAX_PLAYED: usize = 12;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify compare old/my new/my              two reports: rates, and which failures are new, worse, fixed, better, the same
@@ -85,7 +84,6 @@ pub fn tables(conditions: &[String]) -> [TableReference; 2] {
     [report::comparison_reference(&named), report::compared_search_table().reference()]
 }
 
-/// `falsify compare`
 pub fn compare(options: &CompareArgs) -> Ended {
     let conditions =
         Condition::parse_all(&options.fail_if, &tables(&options.fail_if), "comparison", options.allow_unjudged)?;

@@ -10,7 +10,6 @@ use crate::cli::console;
 use crate::cli::failure::unwritten;
 use crate::exit_code::{Ended, ExitCode};
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify demo                               falsify-demo/demo/report.html
@@ -29,7 +28,6 @@ pub struct DemoArgs {
 
 const SCENARIO: &str = include_str!("templates/demo.scn");
 
-/// `falsify demo`
 pub fn demo(options: &DemoArgs) -> Ended {
     let file = options.out.join("demo.scn");
     place(&file)?;

@@ -24,7 +24,6 @@ pub struct RepeatArgs {
 /// An argument that names episodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Named {
-    /// One of them.
     Episode(EpisodePath),
     /// Those whose names are on the standard input.
     Input,

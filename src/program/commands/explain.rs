@@ -6,7 +6,6 @@ use crate::cli::input::language;
 use crate::exit_code::{Ended, ExitCode};
 use results::report;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify explain                            list everything
@@ -27,7 +26,6 @@ pub struct ExplainArgs {
     pub words: Vec<String>,
 }
 
-/// `falsify explain`
 pub fn explain(options: &ExplainArgs) -> Ended {
     let language = language().explain(&options.words);
     let word = options.words.join(" ");

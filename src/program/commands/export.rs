@@ -16,7 +16,6 @@ use results::report;
 use verdict::Verdict;
 use verdict::cause::{MAX_RUNS, Questions, RunLimit};
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify export 1a2b3c4d:17 --as xosc-1.3   1a2b3c4d-17.xosc and its map, both actors on their tracks
@@ -44,7 +43,7 @@ pub struct ExportArgs {
     pub names: Vec<Named>,
     /// The format; `--formats` says what each approximates.
     #[arg(long = "as", value_name = "FORMAT", required_unless_present = "formats", value_parser = formats())]
-    pub format: Option<Format>,
+    pub format: Option<&'static Exporter>,
     /// List the formats.
     #[arg(long)]
     pub formats: bool,
@@ -74,88 +73,53 @@ pub struct ExportArgs {
     pub repeat: RepeatArgs,
 }
 
-/// A format of the command line.
-#[derive(Clone, Copy)]
-pub struct Format(&'static dyn Exporter);
-
-impl std::fmt::Debug for Format {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.0.name())
-    }
-}
-
-/// A picture of an episode, as SVG.
-struct Drawing {
-    name: &'static str,
-    about: &'static str,
-    /// The end of the file's name.
-    ending: &'static str,
-    draw: Draw,
-}
+/// The pictures of an episode, as SVG.
+static DRAWINGS: [Exporter; 2] = [
+    Exporter {
+        name: "svg",
+        about: "six frames side by side, and the speeds of both actors",
+        files: |episode, _| drawn(episode, ".svg", report::strip),
+        ..Exporter::RECORDED
+    },
+    Exporter {
+        name: "animation",
+        about: "an animation as SVG, for a browser",
+        files: |episode, _| drawn(episode, "-animation.svg", report::animation),
+        ..Exporter::RECORDED
+    },
+];
 
 /// Draws an episode with its verdict, a headline and a title.
 type Draw = fn(&Scenario, &Trace, Option<&Verdict>, &str, &str) -> String;
 
-static DRAWINGS: [Drawing; 2] = [
-    Drawing {
-        name: "svg",
-        about: "six frames side by side, and the speeds of both actors",
-        ending: ".svg",
-        draw: report::strip,
-    },
-    Drawing {
-        name: "animation",
-        about: "an animation as SVG, for a browser",
-        ending: "-animation.svg",
-        draw: report::animation,
-    },
-];
-
-impl Exporter for Drawing {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn about(&self) -> &'static str {
-        self.about
-    }
-
-    fn approximates(&self) -> &'static str {
-        "nothing"
-    }
-
-    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        let Episode { name, title, scenario, trace, outcome, verdict, .. } = episode;
-        let what = match (outcome.impact_speed(), verdict) {
-            (Some(speed), Some(verdict)) => format!("collision at {speed:.1} m/s, {}", verdict.word()),
-            _ => format!("no collision, minimum gap {:.2} m", outcome.least_gap),
-        };
-        let text = (self.draw)(scenario, trace, *verdict, &format!("{name}: {what}"), title);
-        let name = format!("{}{}", name.replace(':', "-"), self.ending);
-        Ok(vec![ExportFile { name, bytes: text.into_bytes() }])
-    }
+/// A picture, as a file whose name has this ending.
+fn drawn(episode: &Episode<'_>, ending: &str, draw: Draw) -> Result<Vec<ExportFile>, ExportError> {
+    let Episode { name, title, scenario, trace, outcome, verdict, .. } = episode;
+    let what = match (outcome.impact_speed(), verdict) {
+        (Some(speed), Some(verdict)) => format!("collision at {speed:.1} m/s, {}", verdict.word()),
+        _ => format!("no collision, minimum gap {:.2} m", outcome.least_gap),
+    };
+    let text = draw(scenario, trace, *verdict, &format!("{name}: {what}"), title);
+    Ok(vec![ExportFile { name: format!("{}{ending}", name.replace(':', "-")), bytes: text.into_bytes() }])
 }
 
 /// All formats: those of other programs, and the pictures.
-fn all_formats() -> impl Iterator<Item = &'static dyn Exporter> {
-    EXPORTERS.iter().copied().chain(DRAWINGS.iter().map(|drawing| drawing as &dyn Exporter))
+fn all_formats() -> impl Iterator<Item = &'static Exporter> {
+    EXPORTERS.into_iter().chain(&DRAWINGS)
 }
 
 /// Reads the name of a format.
-fn formats() -> impl TypedValueParser<Value = Format> {
-    let names = all_formats().map(|exporter| PossibleValue::new(exporter.name()).help(exporter.about()));
-    PossibleValuesParser::new(names).map(|word| {
-        let found = all_formats().find(|exporter| exporter.name() == word);
-        Format(found.expect("it is one of the names"))
-    })
+fn formats() -> impl TypedValueParser<Value = &'static Exporter> {
+    let names = all_formats().map(|exporter| PossibleValue::new(exporter.name).help(exporter.about));
+    PossibleValuesParser::new(names)
+        .map(|word| all_formats().find(|exporter| exporter.name == word).expect("it is one of the names"))
 }
 
-/// `falsify export`
 pub fn export(options: &ExportArgs) -> Ended {
-    let Some(Format(exporter)) = options.format.filter(|_| !options.formats) else {
+    let Some(exporter) = options.format.filter(|_| !options.formats) else {
         for exporter in all_formats() {
-            console::say(&format!("{:12} {}", exporter.name(), exporter.about()));
-            console::say(&format!("{:12} approximated: {}", "", exporter.approximates()));
+            console::say(&format!("{:12} {}", exporter.name, exporter.about));
+            console::say(&format!("{:12} approximated: {}", "", exporter.approximates));
         }
         return Ok(ExitCode::Done);
     };
@@ -165,7 +129,7 @@ pub fn export(options: &ExportArgs) -> Ended {
             "--out names a folder, and `{out}` is named like a file: give a folder; the files in it are called RUN-EPISODE and the ending of the format"
         )));
     }
-    let variant = Variant { ego: options.ego.unwrap_or(exporter.usual_ego()), walking: options.pedestrians };
+    let variant = Variant { ego: options.ego.unwrap_or(exporter.usual_ego), walking: options.pedestrians };
     let session = session(options.repeat.allow_external);
     let (mut code, mut open, mut written) = (ExitCode::Done, None, false);
     for episode in resolved(&options.names)? {
@@ -184,7 +148,7 @@ pub fn export(options: &ExportArgs) -> Ended {
         }
     }
     if written {
-        console::note(console::wrapped(&format!("approximated: {}", exporter.approximates())).trim_end());
+        console::note(console::wrapped(&format!("approximated: {}", exporter.approximates)).trim_end());
     }
     Ok(code)
 }
@@ -227,7 +191,7 @@ fn repeated(
 }
 
 /// Writes the files of an episode; returns them, the one to open first.
-fn write(repeated: &Repeated, exporter: &dyn Exporter, variant: Variant, out: &Path) -> Result<Vec<PathBuf>, Error> {
+fn write(repeated: &Repeated, exporter: &Exporter, variant: Variant, out: &Path) -> Result<Vec<PathBuf>, Error> {
     let name = repeated.name.to_string();
     let cause = repeated.cause(Questions::OfCopied, RunLimit::default()).map(|cause| cause.sentence());
     let episode = Episode {

@@ -19,7 +19,6 @@ use world::av::Weakness;
 /// Number of failures that a table shows by default.
 const SHOWN: usize = 20;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify failures                           the worst failures of reports/, fault ones first
@@ -291,7 +290,6 @@ impl Session {
     }
 }
 
-/// `falsify failures`
 pub fn failures(options: &FailuresArgs) -> Ended {
     let session = session(options.repeat.allow_external);
     let found = session.failures(options).map_err(failed)?;

@@ -9,7 +9,6 @@ use crate::exit_code::{Ended, ExitCode};
 use base::diagnostic::Sources;
 use base::files;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify fmt my.scn                         lay the file out anew
@@ -30,7 +29,6 @@ pub struct FmtArgs {
     pub stdin: bool,
 }
 
-/// `falsify fmt`
 pub fn fmt(options: &FmtArgs) -> Ended {
     if options.stdin {
         return input(options.check);

@@ -13,7 +13,6 @@ use results::report;
 use verdict::{Encountered, Recording, RecordingFileError, Reference, RestsOn, Sizes, Verdict};
 use world::sim::VehicleBlueprint;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify judge trace.csv                    would a careful driver have avoided the first touch?
@@ -70,7 +69,6 @@ campaign recording {
 /// Its name among the files of a session.
 const PAPER_FILE: &str = "recording.scn";
 
-/// `falsify judge`
 pub fn judge(options: &JudgeArgs) -> Ended {
     let (found, recording, car) = judged(options).map_err(failed)?;
     if options.json {

@@ -5,7 +5,6 @@ use crate::cli::input::catalog;
 use crate::exit_code::{Ended, ExitCode};
 use crate::lsp::{Ending, serve};
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples (see docs/src/how-to/editor.md for editors' settings):
   falsify lsp                                an editor starts it and speaks to it";
@@ -20,7 +19,6 @@ fn cache() -> PathBuf {
     own.unwrap_or_else(std::env::temp_dir)
 }
 
-/// `falsify lsp`
 pub fn lsp() -> Ended {
     let shelf = cache().join("falsify").join(concat!("std-", env!("CARGO_PKG_VERSION")));
     // The server looks up the programs that scenarios name, and never starts them.

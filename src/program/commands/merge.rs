@@ -19,7 +19,6 @@ use results::store::{Ids, Store, Taken, task_name};
 /// Maximum number of tasks that are named one by one.
 const MAX_SHOWN: usize = 10;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify run --shard 0/2 --out a my.scn     on one machine
@@ -52,7 +51,6 @@ pub struct MergeArgs {
     pub shards: Option<u32>,
 }
 
-/// `falsify merge`
 pub fn merge(options: &MergeArgs) -> Ended {
     ended(options.run.format, put_together(options))
 }

@@ -9,7 +9,6 @@ use crate::cli::failure::{misused, unwritten};
 use crate::exit_code::{Ended, ExitCode};
 use lang::reason;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify new                                write scenario.scn: an adult crosses a street
@@ -85,7 +84,6 @@ impl Template {
     }
 }
 
-/// `falsify new`
 pub fn new(options: &NewArgs) -> Ended {
     let NewArgs { path, template, list } = options;
     if *list {

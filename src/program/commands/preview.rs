@@ -17,7 +17,6 @@ use base::diagnostic::{Colour, render};
 use results::report::{self, MapPage, StartLayer, TownView};
 use road::{AssumedLimit, Crossing, GiveWay, LEVEL, LaneKind, Town, opendrive};
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify preview my.scn                     write my.preview.html and follow my.scn until Ctrl-C
@@ -63,7 +62,6 @@ pub struct PreviewArgs {
 struct Preview {
     /// The diagnostics as they are drawn under their lines, without colour.
     problems: Vec<String>,
-    /// The number of errors.
     errors: usize,
     /// The files that were read, or that could not be read.
     files: Vec<PathBuf>,
@@ -73,7 +71,6 @@ struct Preview {
     starts: Vec<(String, SampledStarts)>,
 }
 
-/// `falsify preview`
 pub fn preview(options: &PreviewArgs) -> Ended {
     let session = session(options.given.allow_external);
     if options.once || is_map(&options.file) {
@@ -205,7 +202,7 @@ impl Preview {
         };
         let (page, script) = (place(".preview.html"), place(".preview.js"));
         let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let follows = version.as_ref().map(|version| (address(&name(&script)), version.clone()));
+        let follows = version.as_ref().map(|version| (base::files::address(&name(&script), b"-_.~"), version.clone()));
         let text = self.page(&name(&options.file), follows);
         let written = report::write_file(&page, text.as_bytes()).and_then(|()| match version {
             // The page is there before the script names it.
@@ -240,12 +237,6 @@ impl Preview {
     fn count_errors(&self) -> String {
         if self.errors == 0 { "no errors".into() } else { console::count(self.errors, "error") }
     }
-}
-
-/// A file name in a relative address.
-fn address(name: &str) -> String {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
-    name.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
 /// Prints what a map holds and what was skipped of its file.

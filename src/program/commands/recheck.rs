@@ -33,7 +33,6 @@ const STARTS: u32 = 20;
 /// The smallest number of them that a gate may be about.
 const MIN_GATED: u32 = 10;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify recheck reports/my new.scn         the drivers of new.scn in the failures of a report, and in a fixed list
@@ -108,7 +107,6 @@ pub struct RecheckArgs {
     pub repeat: RepeatArgs,
 }
 
-/// `falsify recheck`
 pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_reference(), report::crossed_reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck", options.allow_unjudged)?;

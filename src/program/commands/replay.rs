@@ -20,7 +20,6 @@ use verdict::JudgedDegree;
 use verdict::cause::{Cause, MAX_RUNS, Need, Questions, RunLimit, TurnedBy, needed, part_of, unit_of};
 use world::sim::time_of;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify replay 1a2b3c4d:17                 repeat an episode of a report in reports/, describe it
@@ -114,7 +113,6 @@ impl Session {
     }
 }
 
-/// `falsify replay`
 pub fn replay(options: &ReplayArgs) -> Ended {
     let session = session(options.repeat.allow_external);
     let repeat = &options.repeat.repeat;

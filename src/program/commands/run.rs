@@ -26,7 +26,6 @@ pub(crate) use summary::quoted;
 /// Maximum number of seeds of a call.
 const MAX_SEEDS: u64 = 1_000;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
@@ -140,7 +139,6 @@ fn command_line() -> String {
     std::iter::once("falsify".to_string()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
-/// `falsify run`
 pub fn run(options: &RunArgs) -> Ended {
     ended(options.format, run_or_list(options))
 }

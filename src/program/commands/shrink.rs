@@ -17,7 +17,6 @@ use verdict::cause::{Limit, MAX_RUNS, Plan, Shrunk};
 /// Number of failures of a report that are shrunk by default.
 const SHOWN: usize = 20;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify shrink reports/first_look          the 20 worst failures of a report with the fewest commands
@@ -119,7 +118,6 @@ impl Session {
     }
 }
 
-/// `falsify shrink`
 pub fn shrink(options: &ShrinkArgs) -> Ended {
     let session = session(options.repeat.allow_external);
     let mut wanted = Vec::new();

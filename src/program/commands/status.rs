@@ -23,7 +23,6 @@ use stored::stored;
 /// Maximum number of tasks under way that are named.
 const MAX_SHOWN: usize = 8;
 
-/// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify status                             the campaigns of reports/
@@ -143,7 +142,6 @@ struct KindProgress {
     share: f64,
 }
 
-/// `falsify status`
 pub fn status(options: &StatusArgs) -> Ended {
     if options.stored || options.prune {
         return stored(options);

@@ -97,17 +97,13 @@ impl Documents {
     pub fn uri(&self, path: &Path) -> Option<Uri> {
         match self.open.get(&normal(path)) {
             Some(document) => Some(document.uri.clone()),
-            None if path.is_absolute() => Uri::from_str(&address(&normal(path).display().to_string())).ok(),
+            None if path.is_absolute() => {
+                let address = base::files::address(&normal(path).display().to_string(), b"-._~/");
+                Uri::from_str(&format!("file://{address}")).ok()
+            }
             None => None,
         }
     }
-}
-
-/// A path as an address: characters other than letters, digits and plain signs are percent-encoded.
-fn address(path: &str) -> String {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
-    let encode = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
-    format!("file://{}", path.bytes().map(encode).collect::<String>())
 }
 
 /// The path of an editor's name; a buffer that is not a file keeps its name.

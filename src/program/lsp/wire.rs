@@ -11,7 +11,6 @@ const MAX_BODY: usize = 64 << 20;
 /// Why a message could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum WireError {
-    /// The stream failed.
     #[error("the stream failed: {0}")]
     Stream(#[from] std::io::Error),
     /// The headers name no length, or one out of range; the start of the next message is then unknown.

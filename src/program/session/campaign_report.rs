@@ -62,7 +62,6 @@ pub struct CampaignReport {
     pub gates: Vec<(Gate, Vec<Judged>)>,
     /// The number of its tasks whose results, or parts of them, were stored before and not made by this run.
     pub reused: usize,
-    /// The number of its tasks.
     pub tasks: usize,
     /// Whether a training or a search failed, or episodes in another simulator, more than a few.
     pub failed: bool,

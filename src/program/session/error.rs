@@ -16,16 +16,13 @@ pub enum Error {
         /// The files, each with the reason.
         files: Vec<Unreadable>,
     },
-    /// The scenario files have errors; the observer has the diagnostics.
     #[error("{} found; nothing was run", if *errors == 1 { "1 error".into() } else { format!("{errors} errors") })]
     Scenario {
         /// The number of diagnostics that are errors.
         errors: usize,
     },
-    /// A map is given for a town that no file declares.
     #[error("--map names the town `{town}`, which nothing uses")]
     UnusedMap { town: String },
-    /// Results for other inputs are at the place of a report.
     #[error(
         "`{}` holds results for other inputs, which are not replaced:\n{}\nnothing was run; --out DIR writes to another folder, --replace replaces \
          that report{}",
@@ -44,24 +41,16 @@ pub enum Error {
     /// There is no store to work with.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// Something could not be written while a campaign was run. What was finished before is stored.
     #[error("{source}\n  what was finished before is kept; run the same command again to go on (`{out}`)", out = out.display())]
-    Keep {
-        /// The folder for reports.
-        out: PathBuf,
-        /// What could not be written.
-        source: KeepError,
-    },
+    Keep { out: PathBuf, source: KeepError },
     /// A file or a table cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// An episode cannot be exported.
     #[error("cannot export {name}: {source}")]
     Export { name: EpisodeName, source: ExportError },
     /// A report cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A folder holds no report.
     #[error("there is no report in `{folder}`; name its folder with --report", folder = folder.display())]
     NoReport { folder: PathBuf },
     /// Scenario files are not those that were run.
@@ -113,19 +102,15 @@ pub enum KeepError {
 /// A difference between the files of a report and the files of now.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Change {
-    /// A file was read for the report and is not read now.
     #[error("`{path}` was read then, and is not now")]
     Gone { path: String },
-    /// A file has other contents.
     #[error("`{path}` has changed since then: its hash was {}…, and is {}…", short(then), short(now))]
     Contents {
         path: String,
         /// Its hash in the report, BLAKE3 in hexadecimal digits.
         then: String,
-        /// Its hash now.
         now: String,
     },
-    /// A file is read now and was not read for the report.
     #[error("`{path}` is read now, and was not")]
     New { path: String },
 }

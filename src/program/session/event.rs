@@ -77,16 +77,13 @@ pub enum Notice {
     /// A problem that does not end the call.
     #[error("{0}")]
     Warning(String),
-    /// Rewards of a campaign are not numbers.
     #[error("a reward was no number in {episodes} episodes; the first: {first}")]
     Unpaid {
-        /// The name of the report.
         campaign: String,
         episodes: u64,
         /// The first of them, with its reward.
         first: String,
     },
-    /// Episodes of a campaign are in error. No rate counts them.
     #[error(
         "{errors} of {episodes} episodes are in error{} and count for nothing; the first is {first}",
         match (untried, are_few) {
@@ -96,9 +93,7 @@ pub enum Notice {
         }
     )]
     EpisodesInError {
-        /// The name of the report.
         campaign: String,
-        /// Episodes in error.
         errors: u64,
         episodes: u64,
         /// Those in error that were not simulated.
@@ -111,18 +106,13 @@ pub enum Notice {
     /// Trainings of a campaign may have learnt nothing, or disagree.
     #[error("{doubt}")]
     DoubtfulTraining {
-        /// The name of the report.
         campaign: String,
         /// The reason, and what to try.
         doubt: Box<Doubt>,
     },
     /// What a reader must know before the figures of a campaign.
     #[error("{caution}")]
-    Caution {
-        /// The name of the report.
-        campaign: String,
-        caution: Box<Caution>,
-    },
+    Caution { campaign: String, caution: Box<Caution> },
 }
 
 /// How much a notice matters.

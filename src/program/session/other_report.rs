@@ -19,47 +19,23 @@ pub struct OtherReport {
 /// A difference between what a report is of and what would be run.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OtherInput {
-    /// Another seed.
     #[error("its seed is {then}, this one is {now}")]
-    Seed {
-        /// The seed of the report.
-        then: u64,
-        /// The seed now.
-        now: u64,
-    },
-    /// Other values from outside of the files.
+    Seed { then: u64, now: u64 },
     #[error("its settings are {}, these are {}", named(then), named(now))]
     Settings {
         /// The settings of the report, as `name = value`.
         then: Vec<String>,
-        /// The settings now.
         now: Vec<String>,
     },
-    /// A file with other contents.
     #[error("`{path}` has changed since then")]
-    File {
-        /// The file.
-        path: String,
-    },
+    File { path: String },
     /// A program of the user with other files.
     #[error("{0} since then")]
     Program(ChangedProgram),
-    /// A build of the program with other code, which may give other numbers.
     #[error("it was made by another build of the program (code {}…, this is {}…)", then.get(..8).unwrap_or(then), &CODE[..8])]
-    Code {
-        /// The digest of its code.
-        then: String,
-    },
-    /// Runs that are not part of what would be run, or are shorter there.
+    Code { then: String },
     #[error("{missing} of its {all} runs and trainings would be lost or shortened; the first is {first}")]
-    Runs {
-        missing: usize,
-        /// The number of its runs and trainings.
-        all: usize,
-        /// The first of them.
-        first: String,
-    },
-    /// The manifest does not say what was run.
+    Runs { missing: usize, all: usize, first: String },
     #[error("its manifest cannot be read, or is of a version that does not say what was run")]
     Unknown,
 }

@@ -5,40 +5,24 @@ use results::store::{CODE, vector_instructions};
 /// A possible reason why an episode differs from its report.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
-    /// The program has another version.
     #[error("another version: {then} then, {} now", env!("CARGO_PKG_VERSION"))]
-    Version {
-        /// The version of the report.
-        then: String,
-    },
-    /// The processor has other vector instructions.
+    Version { then: String },
     #[error("another processor: `{then}` then, `{}` now; it changes trainings alone", vector_instructions())]
-    Processor {
-        /// The vector instructions of the report.
-        then: String,
-    },
-    /// Scenarios could start programs as drivers.
+    Processor { then: String },
     #[error("a driver from outside that does not drive the same way twice; try `falsify check -- DRIVER`")]
     External,
-    /// A program has changed, or may have.
     #[error("{program} since the report; `falsify recheck --allow-external {report}` lets it meet the same starts")]
     Program {
         program: ChangedProgram,
         /// The report, as the user names it.
         report: String,
     },
-    /// The version is the same, but the code is different.
     #[error("the program was built from other sources")]
     Sources,
-    /// Files of the report were changed, and nothing else explains the rest.
     #[error(
         "files of the report were edited or replaced after the run: {files}; `falsify run` of its scenario writes them again"
     )]
-    Edited {
-        /// Their paths in the report.
-        files: String,
-    },
-    /// None of the others.
+    Edited { files: String },
     #[error("this is a bug; the files, the program and the processor are the same")]
     Bug,
 }

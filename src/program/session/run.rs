@@ -130,7 +130,6 @@ impl Session {
     }
 }
 
-/// The run of one campaign.
 pub(crate) struct CampaignRun<'a> {
     pub session: &'a Session,
     pub options: &'a RunOptions,

@@ -267,7 +267,6 @@ impl Source {
         known.or_else(|| differs.then(unnamed))
     }
 
-    /// The evaluation of this name.
     pub fn evaluation(&self, name: EpisodeName) -> Option<&Evaluation> {
         self.campaign.all::<Evaluation>().find(|evaluation| evaluation.origin.id == name.run)
     }

@@ -42,7 +42,6 @@ impl<'a> Part<'a> {
         self.put(&Stored { state: State::Finished, done, error: String::new(), bytes });
     }
 
-    /// Stores it.
     pub fn put(&self, stored: &Stored) {
         self.results.put(self.task, stored);
     }

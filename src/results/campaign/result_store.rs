@@ -44,7 +44,6 @@ pub trait ResultStore: Sync {
         None
     }
 
-    /// Stores a task.
     fn put(&self, _task: Task, _stored: &Stored) {}
 
     /// What was stored of a task has another form than its kind gives it.

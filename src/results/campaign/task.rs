@@ -22,7 +22,6 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
     campaign.jobs.iter().enumerate().flat_map(|(job, planned)| parts(job, planned))
 }
 
-/// The tasks of a job.
 pub(super) fn parts(place: usize, job: &Job) -> impl Iterator<Item = Task> + use<> {
     (0..job.planned().parts()).map(move |part| Task { job: place, part })
 }
@@ -33,34 +32,22 @@ pub enum TaskError {
     /// A training could not continue.
     #[error(transparent)]
     Training(#[from] TrainError),
-    /// The training of the pedestrian that was to be evaluated failed.
     #[error("its training failed: {0}")]
     Untrained(Box<TaskError>),
-    /// The driver or the controller failed in this number of episodes in a row, so no more were run.
     #[error("not run, since the driver or the pedestrian had failed in ten episodes in a row")]
     Hopeless,
-    /// No encounter counted.
     #[error("no episode counts: driver or pedestrian failed, or the driver never arrived")]
     NoEncounter,
-    /// What it counts cannot happen: it never does to a driver that brakes for nobody.
     #[error(
         "refused: a car that never brakes failed in none of {points} starts of the box, so it says nothing of drivers that brake; give the `episode` more \
          `ticks`, or the box starts from which the pedestrian reaches the car"
     )]
-    CannotFail {
-        /// The starts that it tried.
-        points: u64,
-    },
-    /// It reached its time limit.
+    CannotFail { points: u64 },
     #[error("not finished within the {seconds} s that a task may take")]
     Time {
         /// The limit (s).
         seconds: u64,
     },
-    /// It needs more simulator ticks than its limit.
     #[error("not finished within the {ticks} ticks that a task may use")]
-    Ticks {
-        /// The limit.
-        ticks: u64,
-    },
+    Ticks { ticks: u64 },
 }

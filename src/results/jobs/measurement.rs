@@ -12,7 +12,6 @@ pub trait Measurement: Planned + Clone {
     /// What it finds.
     type Found: Serialize + DeserializeOwned + PartialEq + Clone + fmt::Debug + Send + Sync;
 
-    /// Its kind.
     const KIND: &'static Kind;
 
     /// Simulator ticks without which it finds nothing: with a lower limit it is not begun.

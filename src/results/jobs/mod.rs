@@ -99,7 +99,6 @@ pub const KINDS: [&Kind; 6] =
 
 /// How a job is run and stored.
 pub trait Work: Planned {
-    /// Its kind.
     fn kind(&self) -> &'static Kind;
 
     /// All its names; no other job of its campaign has the same.

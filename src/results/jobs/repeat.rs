@@ -25,7 +25,6 @@ pub struct Repeated {
     pub scenario: Arc<Scenario>,
     pub trace: Trace,
     pub judged: Judged,
-    /// The seed of the starts, and the number of its start.
     pub start: (Seed, u64),
 }
 

@@ -23,7 +23,6 @@ pub(super) const KIND: Kind = Kind {
     ..Kind::new::<Search>("search", "searches", "search")
 };
 
-/// The result of a search.
 #[derive(Debug, Clone)]
 pub struct SearchResult {
     /// Its short name.

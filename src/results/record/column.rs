@@ -159,6 +159,52 @@ impl<K: Kind> Column<K> {
     }
 }
 
+/// Declares columns and families; the comment of each is its meaning: `pub SPEED: Column<f64> = "speed_mps" ["m/s"];`.
+macro_rules! columns {
+    ($($(#[doc = $doc:literal])+ $visible:vis $NAME:ident: $Kind:ident<$held:ty> = $name:literal $([$unit:literal])? $(as $role:ident)?;)*) => {
+        $(
+            $(#[doc = $doc])+
+            $visible const $NAME: $crate::record::$Kind<$held> =
+                $crate::record::$Kind::new($name, concat!($($unit)?), concat!($($doc),+).trim_ascii())
+                    $(.with_role($crate::record::Role::$role))?;
+        )*
+    };
+}
+pub(crate) use columns;
+
+/// Columns of a table whose rows are `row`: known ones, and those of this table alone, whose comment is their meaning.
+///
+/// ```text
+/// entries! { row: &Driven;
+///     TOWN = row.town.clone();
+///     /// another meaning than elsewhere
+///     EGO_SPEED = row.first_speed;
+///     /// speed at the end
+///     last_speed_mps: f64 ["m/s"] = row.speed;
+///     /// a name that others know
+///     named(TRIED): u64 = row.tried;
+/// }
+/// ```
+macro_rules! entries {
+    (
+        $row:ident: $Row:ty;
+        $($(#[doc = $doc:literal])* $name:ident $(($named:expr))? $(: $held:ty)? $([$unit:literal])? $(as $role:ident)? = $value:expr;)*
+    ) => {
+        [$($crate::record::entries!(@ [$($doc)*] $name [$($named)?] [$($held)?] [$($unit)?] [$($role)?] move |$row: $Row| $value)),*]
+    };
+    (@ [] $name:ident [] [] [] [] $value:expr) => { $name.of($value) };
+    (@ [$($doc:literal)+] $name:ident [] [] [] [] $value:expr) => { $name.of($value).meaning(concat!($($doc),+).trim_ascii()) };
+    (@ [$($doc:literal)+] $name:ident [] $($rest:tt)+) => {
+        $crate::record::entries!(@ [$($doc)+] $name [stringify!($name)] $($rest)+)
+    };
+    (@ [$($doc:literal)+] $name:ident [$named:expr] [$held:ty] [$($unit:literal)?] [$($role:ident)?] $value:expr) => {
+        $crate::record::Column::<$held>::new($named, concat!($($unit)?), concat!($($doc),+).trim_ascii())
+            $(.with_role($crate::record::Role::$role))?
+            .of($value)
+    };
+}
+pub(crate) use entries;
+
 /// Columns of the same meaning for several things: `cc_avoids`, `rss_avoids` and so on. The name of the thing comes first.
 #[derive(Debug)]
 pub struct Family<K> {
@@ -209,43 +255,17 @@ impl<K: Kind> Family<K> {
     }
 }
 
-/// The two columns of an interval, `…_low` and `…_high`.
-#[derive(Debug, Clone, Copy)]
-pub struct Interval {
-    /// The prefix of both names.
-    pub name: &'static str,
-    unit: &'static str,
+/// The two columns of an interval of a figure, `…_low` and `…_high`, of a table whose rows give these ends.
+pub fn interval<'t, R>(
+    name: &str,
+    figure: &str,
     doc: &'static str,
-}
-
-impl Interval {
-    /// The interval of this name, unit and meaning.
-    pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        Self { name, unit, doc }
-    }
-
-    /// The names of both columns.
-    pub fn names(&self) -> [String; 2] {
-        [format!("{}_low", self.name), format!("{}_high", self.name)]
-    }
-
-    /// The columns of a table whose rows give these ends.
-    pub fn of<'t, R>(&self, ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 't) -> [Entry<'t, R>; 2] {
-        self.of_ends(move |row| ends(row).map(|(low, _)| low), move |row| ends(row).map(|(_, high)| high))
-    }
-
-    /// The columns of a table whose rows give each end on its own.
-    pub fn of_ends<'t, R>(
-        &self,
-        low: impl Fn(&R) -> Option<f64> + 't,
-        high: impl Fn(&R) -> Option<f64> + 't,
-    ) -> [Entry<'t, R>; 2] {
-        let [low_name, high_name] = self.names();
-        let (unit, doc) = (self.unit.into(), self.doc.into());
-        let low = Entry::new::<f64, _>(low_name.into(), unit, doc, low);
-        let high = Entry::new::<f64, _>(high_name.into(), self.unit.into(), self.doc.into(), high);
-        [low.of_figure(self.name, Role::LowerBound), high.of_figure(self.name, Role::UpperBound)]
-    }
+    ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 't,
+) -> [Entry<'t, R>; 2] {
+    let name = |end: &str| format!("{name}_{end}").into();
+    let low = Entry::new::<f64, _>(name("low"), "".into(), doc.into(), move |row| Some(ends(row)?.0));
+    let high = Entry::new::<f64, _>(name("high"), "".into(), doc.into(), move |row| Some(ends(row)?.1));
+    [low.of_figure(figure.to_owned(), Role::LowerBound), high.of_figure(figure.to_owned(), Role::UpperBound)]
 }
 
 /// Makes a column of this name from rows.
@@ -283,12 +303,6 @@ impl<'t, R> Entry<'t, R> {
         let write = move |name: PlSmallStr, rows: &[R]| V::series(name, rows.iter().map(&value).collect());
         let reference = ColumnReference { figure: name.clone(), name, unit, doc, holds: K::TYPE, role: Role::Plain };
         Self { reference, write: Box::new(write) }
-    }
-
-    /// The same values under another name.
-    pub fn named(mut self, name: impl Into<Cow<'static, str>>) -> Self {
-        self.reference.name = name.into();
-        self
     }
 
     /// The same as a value of this role of a figure.
@@ -351,36 +365,6 @@ impl<'t, R> Table<'t, R> {
     pub fn column(mut self, entry: Entry<'t, R>) -> Self {
         self.entries.push(entry);
         self
-    }
-
-    /// Adds a column of text.
-    #[must_use]
-    pub fn text<V: Cell<String>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
-        self.column(Column::<String>::new(name, "", doc).of(value))
-    }
-
-    /// Adds a column of counts.
-    #[must_use]
-    pub fn count<V: Cell<u64>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
-        self.column(Column::<u64>::new(name, "", doc).of(value))
-    }
-
-    /// Adds a column of numbers without a unit.
-    #[must_use]
-    pub fn number<V: Cell<f64>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
-        self.column(Column::<f64>::new(name, "", doc).of(value))
-    }
-
-    /// Adds a column of numbers in a unit.
-    #[must_use]
-    pub fn measure<V: Cell<f64>>(
-        self,
-        name: &'static str,
-        unit: &'static str,
-        doc: &'static str,
-        value: impl Fn(&R) -> V + 't,
-    ) -> Self {
-        self.column(Column::<f64>::new(name, unit, doc).of(value))
     }
 
     /// Adds several columns.

@@ -16,7 +16,8 @@ mod parquet_reader;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Role, Signed, Table, TableReference};
+pub use column::{Cell, Column, ColumnReference, Entry, Family, Kind, Role, Signed, Table, TableReference, interval};
+pub(crate) use column::{columns, entries};
 pub use degrees::{DEGREES, parse as parse_degrees, with_degrees};
 pub use episodes::{EPISODES, IN_ERROR, cell_key, episode_references, episode_table, episodes};
 pub use key::{CellKey, RunKey, in_block, in_world};

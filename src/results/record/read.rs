@@ -1,15 +1,15 @@
 //! Reads tables back by type, without the names of their columns at the caller.
 
-use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
+use polars::prelude::{DataFrame, Float64Chunked, PolarsResult};
 
 use super::columns::{
     AVOIDS, BLOCK, BODY, COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT, IMPACT_SPEED, IN_SIGHT,
-    LATEST_REACTION, LEFT_OUT, ON_CROSSWALK, OUTCOME, PEDESTRIAN, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, RESTS_ON, REWARD,
-    RUN, RUN_ID, STATE_HASHES, TICKS, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
+    LATEST_REACTION, LEFT_OUT, ON_CROSSWALK, OUTCOME, PEDESTRIAN, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, RESTS_ON,
+    REWARD, RUN, RUN_ID, STATE_HASHES, TICKS, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
 };
 use super::episodes::named;
-use super::{CellKey, Family, RunKey};
+use super::{CellKey, Family, Kind, RunKey};
 use episode::{Impact, LeftOut, Spawn};
 use road::geometry::Pose;
 use verdict::{Class, Label, Reference, RestsOn};
@@ -51,16 +51,22 @@ impl RunKey {
 }
 
 macro_rules! episode_table {
-    ($($field:ident: $array:ty = $column:ident),+; $($inner:ident: $of:ty = $in_memory:ident),+ $(,)?) => {
+    (
+        $($field:ident: $held:ty = $column:ident),+;
+        $($inner:ident: $of:ty = $in_memory:ident),+;
+        $($(#[$doc:meta])+ $value:ident: $type:ty = $known:ident),+;
+        $($(#[$about:meta])+ $word:ident: $Word:ident = $named:ident),+ $(,)?
+    ) => {
         /// A table of episodes, read row by row.
         ///
-        /// Missing numbers are `None` if the type allows it, else 0.
+        /// Missing numbers are `None` if the type allows it, else 0. The file of a report has only some of the columns.
         #[derive(Debug, Clone, Copy)]
         pub struct EpisodeTable<'a> {
             table: &'a DataFrame,
-            $($field: &'a $array,)+
-            /// `None` in the file of a report, which does not have it.
-            $($inner: Option<&'a $of>),+
+            $($field: &'a <$held as Kind>::Array,)+
+            $($inner: Option<&'a <$of as Kind>::Array>,)+
+            $($value: Option<&'a <$type as Kind>::Array>,)+
+            $($word: Option<&'a <String as Kind>::Array>),+
         }
 
         impl<'a> EpisodeTable<'a> {
@@ -69,41 +75,71 @@ macro_rules! episode_table {
             /// # Errors
             /// A column is missing or holds something else.
             pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
-                Ok(Self { table, $($field: $column.read(table)?,)+ $($inner: $in_memory.read(table).ok()),+ })
+                Ok(Self {
+                    table,
+                    $($field: $column.read(table)?,)+
+                    $($inner: $in_memory.read(table).ok(),)+
+                    $($value: $known.read(table).ok(),)+
+                    $($word: $named.read(table).ok()),+
+                })
             }
+
+            $(
+                $(#[$doc])+
+                pub fn $value(&self, row: usize) -> Option<$type> {
+                    self.$value?.get(row)
+                }
+            )+
+
+            $(
+                $(#[$about])+
+                pub fn $word(&self, row: usize) -> Option<$Word> {
+                    $Word::named(self.$word?.get(row)?)
+                }
+            )+
         }
     };
 }
 
 episode_table! {
-    episode: UInt32Chunked = EPISODE,
-    outcome: StringChunked = OUTCOME,
-    fault: BooleanChunked = FAULT,
-    error: StringChunked = ERROR,
-    left_out: StringChunked = LEFT_OUT,
-    reward: Float64Chunked = EPISODE_REWARD,
-    length: Float64Chunked = EPISODE_LENGTH,
-    ego_x: Float64Chunked = EGO_X,
-    ego_y: Float64Chunked = EGO_Y,
-    ego_yaw: Float64Chunked = EGO_YAW,
-    ego_speed: Float64Chunked = EGO_SPEED,
-    pedestrian_x: Float64Chunked = PEDESTRIAN_X,
-    pedestrian_y: Float64Chunked = PEDESTRIAN_Y,
-    pedestrian_yaw: Float64Chunked = PEDESTRIAN_YAW,
-    digest: StringChunked = DIGEST;
-    front: BooleanChunked = FRONT,
-    impact: StringChunked = IMPACT,
-    impact_speed: Float64Chunked = IMPACT_SPEED,
-    ticks: UInt32Chunked = TICKS,
-    on_crosswalk: BooleanChunked = ON_CROSSWALK,
-    driving_mode: StringChunked = DRIVING_MODE,
-    state_hashes: StringChunked = STATE_HASHES,
-    verdict: StringChunked = VERDICT,
-    foreseeable: BooleanChunked = FORESEEABLE,
-    counts_as: StringChunked = COUNTS_AS,
-    rests_on: StringChunked = RESTS_ON,
-    latest_reaction: Float64Chunked = LATEST_REACTION,
-    in_sight: Float64Chunked = IN_SIGHT,
+    episode: u32 = EPISODE,
+    outcome: String = OUTCOME,
+    fault: bool = FAULT,
+    error: String = ERROR,
+    left_out: String = LEFT_OUT,
+    reward: f64 = EPISODE_REWARD,
+    length: f64 = EPISODE_LENGTH,
+    ego_x: f64 = EGO_X,
+    ego_y: f64 = EGO_Y,
+    ego_yaw: f64 = EGO_YAW,
+    ego_speed: f64 = EGO_SPEED,
+    pedestrian_x: f64 = PEDESTRIAN_X,
+    pedestrian_y: f64 = PEDESTRIAN_Y,
+    pedestrian_yaw: f64 = PEDESTRIAN_YAW,
+    digest: String = DIGEST;
+    front: bool = FRONT,
+    state_hashes: String = STATE_HASHES,
+    foreseeable: bool = FORESEEABLE;
+    /// Speed of the car at the touch (m/s).
+    impact_speed: f64 = IMPACT_SPEED,
+    /// Simulator ticks; `None` if it was not run.
+    ticks: u32 = TICKS,
+    /// Whether the pedestrian was on a crosswalk at the touch.
+    on_crosswalk: bool = ON_CROSSWALK,
+    /// The longest reaction time that avoids a collision (s).
+    latest_reaction: f64 = LATEST_REACTION,
+    /// Time in sight before the touch (s).
+    in_sight: f64 = IN_SIGHT;
+    /// The side of the touch.
+    impact: Impact = IMPACT,
+    /// The driver's action in the last tick.
+    driving_mode: DrivingMode = DRIVING_MODE,
+    /// The verdict.
+    label: Label = VERDICT,
+    /// Why a touch counts against the driver, or not.
+    counts_as: Class = COUNTS_AS,
+    /// On what it rests that a collision is preventable.
+    rests_on: RestsOn = RESTS_ON,
 }
 
 impl<'a> EpisodeTable<'a> {
@@ -135,7 +171,6 @@ impl<'a> EpisodeTable<'a> {
         self.error(row).is_none() && self.left_out(row).is_none()
     }
 
-    /// Whether it is a collision.
     pub fn is_collision(&self, row: usize) -> bool {
         self.outcome.get(row) == Some(named::COLLISION)
     }
@@ -155,39 +190,9 @@ impl<'a> EpisodeTable<'a> {
         self.fault.get(row).unwrap_or_default()
     }
 
-    /// Speed of the car at the touch (m/s).
-    pub fn impact_speed(&self, row: usize) -> Option<f64> {
-        self.impact_speed?.get(row)
-    }
-
-    /// The side of the touch.
-    pub fn impact(&self, row: usize) -> Option<Impact> {
-        Impact::named(self.impact?.get(row)?)
-    }
-
-    /// Whether the pedestrian was on a crosswalk at the touch.
-    pub fn on_crosswalk(&self, row: usize) -> Option<bool> {
-        self.on_crosswalk?.get(row)
-    }
-
     /// The marks of its states.
     pub fn state_hashes(&self, row: usize) -> Option<&'a str> {
         self.state_hashes?.get(row)
-    }
-
-    /// Why a touch counts against the driver, or not.
-    pub fn counts_as(&self, row: usize) -> Option<Class> {
-        Class::named(self.counts_as?.get(row)?)
-    }
-
-    /// On what it rests that a collision is preventable.
-    pub fn rests_on(&self, row: usize) -> Option<RestsOn> {
-        RestsOn::named(self.rests_on?.get(row)?)
-    }
-
-    /// The longest reaction time that avoids a collision (s).
-    pub fn latest_reaction(&self, row: usize) -> Option<f64> {
-        self.latest_reaction?.get(row)
     }
 
     /// Sum of the rewards.
@@ -200,29 +205,9 @@ impl<'a> EpisodeTable<'a> {
         self.length.get(row)
     }
 
-    /// Simulator ticks; `None` if it was not run.
-    pub fn ticks(&self, row: usize) -> Option<u32> {
-        self.ticks?.get(row)
-    }
-
-    /// The driver's action in the last tick.
-    pub fn driving_mode(&self, row: usize) -> Option<DrivingMode> {
-        DrivingMode::named(self.driving_mode?.get(row)?)
-    }
-
     /// Digest, as 16 hexadecimal digits.
     pub fn digest(&self, row: usize) -> &'a str {
         self.digest.get(row).unwrap_or_default()
-    }
-
-    /// The verdict.
-    pub fn label(&self, row: usize) -> Option<Label> {
-        Label::named(self.verdict?.get(row)?)
-    }
-
-    /// Time in sight before the touch (s).
-    pub fn in_sight(&self, row: usize) -> Option<f64> {
-        self.in_sight?.get(row)
     }
 
     /// The rows of collisions that a reference driver avoids; none in the file of a report, which does not have them.

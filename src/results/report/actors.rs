@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::jobs::{Repeated, SearchResult};
 use crate::parallel;
 use crate::record::columns::{NUMBER, RUN_ID};
-use crate::record::{Column, Table};
+use crate::record::{Table, columns, entries};
 use base::seed::Seed;
 use compile::{Evaluation, RunId};
 use episode::Scenario;
@@ -16,13 +16,12 @@ use world::sim::ActorId;
 
 /// The stem of the files of the table of actors.
 pub const ACTORS: &str = "actors";
-pub const ROLE: Column<String> =
-    Column::new("role", "", "name of the actor in the cast; the members of a group share it");
-pub const NEEDED: Column<bool> = Column::new(
-    "needed",
-    "",
-    "whether the failure does not happen without the actor, with the same random numbers; missing for the car under test",
-);
+columns! {
+    /// name of the actor in the cast; the members of a group share it
+    pub ROLE: Column<String> = "role";
+    /// whether the failure does not happen without the actor, with the same random numbers; missing for the car under test
+    pub NEEDED: Column<bool> = "needed";
+}
 
 /// A listed failure of a campaign with a cast, and which of the other actors it needs.
 #[derive(Debug, Clone)]
@@ -96,19 +95,18 @@ pub fn actors(failures: &[CastFailure]) -> DataFrame {
 fn actor_table() -> Table<'static, RecordedRole> {
     let doc = "One row for each actor of each failure that the page lists, in a campaign with a `cast`. `run_id` and `number` name the failure.";
     let kind = |row: &RecordedRole| if matches!(row.actor, ActorId::Vehicle(_)) { "vehicle" } else { "pedestrian" };
-    Table::new(ACTORS, doc)
-        .column(RUN_ID.of(|row: &RecordedRole| row.run.to_string()))
-        .column(NUMBER.of(|row: &RecordedRole| row.number))
-        .text("kind", "`vehicle` or `pedestrian`", kind)
-        .count("actor", "number among the actors of its kind; vehicle 0 is the car under test", |row| {
-            row.actor.number() as u64
-        })
-        .column(ROLE.of(|row: &RecordedRole| row.name.clone()))
-        .column(
-            Column::<bool>::new("touched", "", "whether it is one of the two actors whose touch ended the episode")
-                .of(|row: &RecordedRole| row.touched),
-        )
-        .column(NEEDED.of(|row: &RecordedRole| row.needed))
+    Table::new(ACTORS, doc).columns(entries! { row: &RecordedRole;
+        RUN_ID = row.run.to_string();
+        NUMBER = row.number;
+        /// `vehicle` or `pedestrian`
+        kind: String = kind(row);
+        /// number among the actors of its kind; vehicle 0 is the car under test
+        actor: u64 = row.actor.number() as u64;
+        ROLE = row.name.clone();
+        /// whether it is one of the two actors whose touch ended the episode
+        touched: bool = row.touched;
+        NEEDED = row.needed;
+    })
 }
 
 /// The reference of its columns.

@@ -8,7 +8,7 @@ use super::Findings;
 use super::aggregate::{ProtocolCell, passed_share, score};
 use super::infer::{BEATS_UNTRAINED, CellEvidence, IMPACT_SPEED_P90, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
-use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key};
+use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key, interval};
 use crate::tables::metrics::{IMPACT_SPEED, inferred};
 use crate::tables::{
     APPLIED, Cell, FAULT_VIOLATION_RATE, IS_FIXED_CASES, NO_VERDICT, REQUIREMENT, VIOLATION_RATE, cell_columns,
@@ -77,7 +77,9 @@ fn evidence_table<'a>() -> Table<'a, CellEvidence> {
     type Row = CellEvidence;
     let mut table = Table::new("evidence", "").columns(cell_key(|row: &Row| &row.key));
     for metric in inferred() {
-        table = table.columns(interval(metric.name, "student", move |row: &Row| row.between(metric)?.interval));
+        table = table.columns(interval(&format!("{}_student", metric.name), metric.name, "", move |row: &Row| {
+            row.between(metric)?.interval
+        }));
     }
     let p90 = IMPACT_SPEED_P90.of(|row: &Row| row.impact_speed_p90.0);
     table = table.column(p90.of_figure(IMPACT_SPEED.name, Role::Plain));
@@ -86,7 +88,7 @@ fn evidence_table<'a>() -> Table<'a, CellEvidence> {
             let part = move |row: &Row| row.rates_of(reference)[place].1;
             let rate = move |row: &Row| part(row).share_of(&row.episodes);
             let ends = move |row: &Row| Some(wilson(part(row), row.episodes));
-            table = table.column(share(&name, rate)).columns(interval(&name, "wilson", ends));
+            table = table.column(share(&name, rate)).columns(interval(&format!("{name}_wilson"), &name, "", ends));
         }
     }
     let beats = |row: &Row| row.learning.as_ref().map(|learning| learning.beats_untrained().name());
@@ -113,7 +115,7 @@ fn requirement_columns<'a>(name: &str) -> Table<'a, Cell> {
         let name = format!("{}({name})", metric.name);
         let is_known = move |row: &Cell| *metric == VIOLATION_RATE || row.text(&NO_VERDICT).is_empty();
         let rate = move |row: &Cell| is_known(row).then(|| row.rate(metric));
-        let ends = interval(&name, "wilson", move |row| rate(row)?.interval);
+        let ends = interval(&format!("{name}_wilson"), &name, "", move |row| rate(row)?.interval);
         table = table.column(share(&name, move |row| rate(row)?.value)).columns(ends);
     }
     table
@@ -130,16 +132,4 @@ fn number<'a, R>(name: String, value: impl Fn(&R) -> Option<f64> + 'a) -> Entry<
 
 fn share<'a, R>(name: &str, value: impl Fn(&R) -> Option<f64> + 'a) -> Entry<'a, R> {
     number(name.to_owned(), value).of_figure(name.to_owned(), Role::Share)
-}
-
-/// Both ends of an interval of a figure.
-fn interval<'a, R: 'a>(
-    figure: &str,
-    method: &str,
-    ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 'a,
-) -> [Entry<'a, R>; 2] {
-    let name = |end: &str| format!("{figure}_{method}_{end}");
-    let low = number(name("low"), move |row| Some(ends(row)?.0)).of_figure(figure.to_owned(), Role::LowerBound);
-    let high = number(name("high"), move |row| Some(ends(row)?.1)).of_figure(figure.to_owned(), Role::UpperBound);
-    [low, high]
 }

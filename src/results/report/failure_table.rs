@@ -9,10 +9,10 @@ use super::aggregate::{INSTANT, PART, ROBUSTNESS, ROBUSTNESS_UNIT};
 use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{
     COUNTS_AS, DIGEST, DRIVER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
-    LATEST_REACTION, NUMBER, ON_CROSSWALK, PEDESTRIAN, RESTS_ON, REWARD, RUN_ID, STATE_HASHES, TOWN, TRAIN_DRIVER, TRAIN_TOWN,
-    VERDICT, WORLD,
+    LATEST_REACTION, NUMBER, ON_CROSSWALK, PEDESTRIAN, RESTS_ON, REWARD, RUN_ID, STATE_HASHES, TOWN, TRAIN_DRIVER,
+    TRAIN_TOWN, VERDICT, WORLD,
 };
-use crate::record::{Column, Entry, RunKey, Signed, Table};
+use crate::record::{Column, Entry, RunKey, Signed, Table, columns, entries};
 use crate::tables::REQUIREMENT;
 use compile::{NoRunId, RunId};
 use episode::Impact;
@@ -24,42 +24,40 @@ use world::sim::WalkCommand;
 /// The stem of the files of the table of failures.
 pub const FAILURES: &str = "failures";
 
-const START: Column<u64> =
-    Column::new("start_number", "", "number of its start: that of the episode, or that which a search gave it");
-const FOUND_AFTER: Column<u64> = Column::new(
-    "found_after_ticks",
-    "",
-    "simulator ticks that the search had used, the failure's own included; missing of an evaluation",
-);
-const COMMANDS: Column<String> = Column::new(
-    "commands",
-    "",
-    "of a search `heading@speed` in rad and m/s, one for each decision, in the world frame; equal seeds, starts and commands give equal digests",
-);
-const PRIORITY: Column<u32> = Column::new("priority", "", "rank of the requirement; 1 is the most important");
-const AT_COLLISION: Column<bool> =
-    Column::new("at_collision", "", "of a violation, whether a collision decides, which is a failure by itself");
-const PREVENTABLE: Column<bool> = Column::new(
-    "preventable",
-    "",
-    "of a violation, whether all careful drivers satisfy the requirement from the start of the danger on; missing where the requirement has no verdict",
-);
+columns! {
+    /// number of its start: that of the episode, or that which a search gave it
+    START: Column<u64> = "start_number";
+    /// simulator ticks that the search had used, the failure's own included; missing of an evaluation
+    FOUND_AFTER: Column<u64> = "found_after_ticks";
+    /// of a search `heading@speed` in rad and m/s, one for each decision, in the world frame; equal seeds, starts and commands give equal digests
+    COMMANDS: Column<String> = "commands";
+    /// rank of the requirement; 1 is the most important
+    PRIORITY: Column<u32> = "priority";
+    /// of a violation, whether a collision decides, which is a failure by itself
+    AT_COLLISION: Column<bool> = "at_collision";
+    /// of a violation, whether all careful drivers satisfy the requirement from the start of the danger on; missing where the requirement has no verdict
+    PREVENTABLE: Column<bool> = "preventable";
+}
 /// The table of failures: collisions and bumps of evaluations and violations in them, then what searches found.
 pub fn failure_table() -> Table<'static, Failure> {
     let doc = "One row for each collision and each bump of an evaluation that counts, each violation of a requirement, and each failure that a search found, with the commands that lead to it. \
                Its `run_id` and `number` are `run_id` and `episode` in `episodes`; the `run_id` of a search is in `searches`.";
     Table::new(FAILURES, doc)
-        .column(RUN_ID.of(|row: &Failure| row.key.id.to_string()))
-        .column(NUMBER.of(|row: &Failure| row.number))
-        .column(TOWN.of(|row: &Failure| row.key.cell.town.clone()))
-        .column(DRIVER.of(|row: &Failure| row.key.cell.policy.clone()))
-        .column(WORLD.of(|row: &Failure| row.key.cell.simulator().to_owned()))
+        .columns(entries! { row: &Failure;
+            RUN_ID = row.key.id.to_string();
+            NUMBER = row.number;
+            TOWN = row.key.cell.town.clone();
+            DRIVER = row.key.cell.policy.clone();
+            WORLD = row.key.cell.simulator().to_owned();
+        })
         .columns(what_happened(|row| row))
-        .column(START.of(|row: &Failure| row.start))
-        .column(FOUND_AFTER.of(|row: &Failure| row.is_of_search().then_some(row.found_after)))
-        .column(COMMANDS.of(|row: &Failure| row.is_of_search().then(|| commands_text(&row.commands))))
-        .column(DIGEST.of(|row: &Failure| (row.digest != 0).then(|| format!("{:016x}", row.digest))))
-        .column(STATE_HASHES.of(|row: &Failure| row.state_hashes.clone()))
+        .columns(entries! { row: &Failure;
+            START = row.start;
+            FOUND_AFTER = row.is_of_search().then_some(row.found_after);
+            COMMANDS = row.is_of_search().then(|| commands_text(&row.commands));
+            DIGEST = (row.digest != 0).then(|| format!("{:016x}", row.digest));
+            STATE_HASHES = row.state_hashes.clone();
+        })
 }
 
 /// The columns of a failure that tell what happened.
@@ -131,7 +129,6 @@ impl Row<'_> {
         column.value(self.0, self.1).map(|value| value == Some(true))
     }
 
-    /// The name of the run.
     pub fn run_id(self) -> PolarsResult<RunId> {
         let no_run = |error: NoRunId| PolarsError::ComputeError(error.to_string().into());
         self.text(&RUN_ID)?.parse().map_err(no_run)
@@ -189,7 +186,6 @@ impl Row<'_> {
     }
 }
 
-/// A failure of a list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedFailure {
     /// The folder of its report.
@@ -205,56 +201,47 @@ pub struct ListedFailure {
 
 /// Failures with the folders of their reports as a table, one row each, in the order given.
 pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
-    type Listed = ListedFailure;
-    let mut table = Table::<Listed>::new(FAILURES, "One row for each failure.")
-        .text("name", "the path by which other commands find it", |row| {
-            format!("{}/{}", row.report.display(), row.failure.name())
+    let mut table = Table::new(FAILURES, "One row for each failure.")
+        .columns(entries! { row: &ListedFailure;
+            /// the path by which other commands find it
+            name: String = format!("{}/{}", row.report.display(), row.failure.name());
+            /// folder of the report
+            report: String = row.report.display().to_string();
+            RUN_ID = row.failure.key.id.to_string();
+            NUMBER = row.failure.number;
+            /// `evaluation` or `search`
+            found_by: String = row.failure.found_by.name();
+            DRIVER = row.failure.key.cell.policy.clone();
+            PEDESTRIAN = row.failure.key.cell.controller.clone();
+            REWARD = row.failure.key.cell.reward.clone();
+            TRAIN_TOWN = row.failure.key.cell.train_town.clone();
+            TRAIN_DRIVER = row.failure.key.cell.train_policy.clone();
+            TOWN = row.failure.key.cell.town.clone();
+            WORLD = row.failure.key.cell.simulator().to_owned();
         })
-        .text("report", "folder of the report", |row| row.report.display().to_string())
-        .column(RUN_ID.of(|row: &Listed| row.failure.key.id.to_string()))
-        .column(NUMBER.of(|row: &Listed| row.failure.number))
-        .text("found_by", "`evaluation` or `search`", |row| row.failure.found_by.name())
-        .column(DRIVER.of(|row: &Listed| row.failure.key.cell.policy.clone()))
-        .column(PEDESTRIAN.of(|row: &Listed| row.failure.key.cell.controller.clone()))
-        .column(REWARD.of(|row: &Listed| row.failure.key.cell.reward.clone()))
-        .column(TRAIN_TOWN.of(|row: &Listed| row.failure.key.cell.train_town.clone()))
-        .column(TRAIN_DRIVER.of(|row: &Listed| row.failure.key.cell.train_policy.clone()))
-        .column(TOWN.of(|row: &Listed| row.failure.key.cell.town.clone()))
-        .column(WORLD.of(|row: &Listed| row.failure.key.cell.simulator().to_owned()))
-        .columns(what_happened(|row: &Listed| &row.failure))
-        .column(
-            Column::<u64>::new(
-                "merged",
-                "",
-                "number of failures that shrink to it, itself included; missing without --distinct",
-            )
-            .of(|row: &Listed| row.merged),
-        )
-        .text("weakness", "what the driver lacks, a word; missing without --why", |row| {
-            row.cause.as_ref().map(|cause| cause.weakness.name())
-        })
-        .text(
-            "side",
-            "the side of the car that it does not watch enough, `left` or `right`; missing of other weaknesses",
-            |row| row.cause.as_ref()?.side,
-        )
-        .text(
-            "enough",
-            "the one or two weaknesses of which the repair of each alone avoids it; missing without --why",
-            |row| {
+        .columns(what_happened(|row: &ListedFailure| &row.failure))
+        .columns(entries! { row: &ListedFailure;
+            /// number of failures that shrink to it, itself included; missing without --distinct
+            merged: u64 = row.merged;
+            /// what the driver lacks, a word; missing without --why
+            weakness: String = row.cause.as_ref().map(|cause| cause.weakness.name());
+            /// the side of the car that it does not watch enough, `left` or `right`; missing of other weaknesses
+            side: String = row.cause.as_ref()?.side;
+            /// the one or two weaknesses of which the repair of each alone avoids it; missing without --why
+            enough: String = {
                 let enough = &row.cause.as_ref()?.enough;
                 Some(enough.iter().map(|weakness| weakness.name()).collect::<Vec<_>>().join(" "))
-            },
-        )
-        .text("cause", "why the driver failed, a sentence; missing without --why", |row| {
-            row.cause.as_ref().map(Cause::sentence)
-        })
-        .text("around", "which starts around it fail, a sentence; missing without --why", |row| {
-            row.around.as_ref().map(Around::sentence)
+            };
+            /// why the driver failed, a sentence; missing without --why
+            cause: String = row.cause.as_ref().map(Cause::sentence);
+            /// which starts around it fail, a sentence; missing without --why
+            around: String = row.around.as_ref().map(Around::sentence);
         });
     if failures.iter().any(|each| each.failure.needs.is_some()) {
-        let doc = "roles of the other actors that it needs, with a blank between two; missing if that was not asked";
-        table = table.text("needs", doc, |row| row.failure.needs.clone());
+        table = table.columns(entries! { row: &ListedFailure;
+            /// roles of the other actors that it needs, with a blank between two; missing if that was not asked
+            needs: String = row.failure.needs.clone();
+        });
     }
     table.frame(failures)
 }

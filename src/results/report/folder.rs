@@ -26,33 +26,16 @@ pub const FIGURES: &str = "figures";
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The folder for reports cannot be made or written to.
     #[error("cannot write to the folder `{path}`: {source}", path = path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        source: io::Error,
-    },
-    /// Another file or folder is at the place of the report.
+    Folder { path: PathBuf, source: io::Error },
     #[error("`{path}` is in the way, which is not part of a report of this program; move it away or choose another folder with --out", path = path.display())]
     Occupied { path: PathBuf },
-    /// A file cannot be written.
     #[error("cannot write `{path}`: {source}", path = path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        source: io::Error,
-    },
-    /// A file with other contents is at its place.
+    File { path: PathBuf, source: io::Error },
     #[error("`{path}` exists already and holds something else; remove it, or choose another folder with --out", path = path.display())]
     Exists { path: PathBuf },
-    /// A table cannot be made.
     #[error("cannot make the table `{name}`: {source}")]
-    Table {
-        /// The table.
-        name: String,
-        source: PolarsError,
-    },
+    Table { name: String, source: PolarsError },
 }
 
 /// A report that is being written. Its files are written to a draft folder, which is moved to the report's place in one step when all are

@@ -161,11 +161,9 @@ pub struct FileRecord {
     pub rows: Option<u64>,
 }
 
-/// A training.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainingRecord {
     pub town: String,
-    /// Name of the driver.
     pub driver: String,
     pub reward: String,
     pub run: u32,

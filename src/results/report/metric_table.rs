@@ -5,7 +5,7 @@ use polars::prelude::DataFrame;
 use super::Findings;
 use super::aggregate::SearchCell;
 use super::infer::{CellEvidence, IMPACT_SPEED_P90, Learning, reference_rates};
-use crate::record::{CellKey, Column, ColumnReference, Interval, Role, Table, TableReference, cell_key};
+use crate::record::{CellKey, Column, ColumnReference, Role, Table, TableReference, cell_key, entries};
 use crate::tables::metrics::{EPISODE_REWARD, EPISODES, MEAN};
 use crate::tables::{
     self, APPLIED, Cell, JUDGED, Metric, NO_VERDICT, REQUIREMENT, REQUIREMENT_METRICS, WITHOUT_VERDICT,
@@ -145,7 +145,6 @@ fn of_requirement<'a>(cell: &'a Cell, rows: &mut Vec<Row<'a>>) {
     }
 }
 
-/// A metric of the requirement of this name.
 fn of_name(metric: &Metric, requirement: &str) -> ColumnReference {
     ColumnReference { name: format!("{}({requirement})", metric.name).into(), ..metric.reference() }
 }
@@ -174,30 +173,22 @@ fn columns<'a>() -> Table<'a, Row<'a>> {
          over all runs, which have different seeds *and* starts.",
     )
     .columns(cell_key(|row: &Row<'a>| row.key))
-    .text("metric", "its name, see below", |row| row.metric.name.to_string())
-    .count("n", "how many episodes, collisions or runs the value is made of", |row| row.of)
-    .measure(
-        "value",
-        "as the metric",
-        "of a count the sum over runs, of a rate or a mean the mean over runs",
-        |row| row.value,
-    )
-    .text("by_run", "values of the runs of a rate or a mean, in their order, with a blank between two; those without a value are left out", |row| {
-        row.by_run.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+    .columns(entries! { row: &Row<'_>;
+        /// its name, see below
+        metric: String = row.metric.name.to_string();
+        /// how many episodes, collisions or runs the value is made of
+        n: u64 = row.of;
+        /// of a count the sum over runs, of a rate or a mean the mean over runs
+        value: f64 ["as the metric"] = row.value;
+        /// values of the runs of a rate or a mean, in their order, with a blank between two; those without a value are left out
+        by_run: String = row.by_run.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+        /// its 95 % interval, see [above](#which-interval-answers-which-question)
+        low: f64 ["as the metric"] as LowerBound = Some(row.ends?.0);
+        /// its 95 % interval, see [above](#which-interval-answers-which-question)
+        high: f64 ["as the metric"] as UpperBound = Some(row.ends?.1);
+        /// `wilson` over the starts, which all runs share, or `student` about further trainings, for four or more runs; empty without one
+        interval: String = row.interval;
     })
-    .columns(
-        Interval::new("", "as the metric", "its 95 % interval, see [above](#which-interval-answers-which-question)")
-            .of(|row: &Row<'a>| row.ends)
-            .into_iter()
-            .zip(["low", "high"])
-            .map(|(entry, name)| entry.named(name)),
-    )
-    .text(
-        "interval",
-        "`wilson` over the starts, which all runs share, or `student` about further trainings, for four or more runs; \
-         empty without one",
-        |row| row.interval,
-    )
 }
 
 /// The documentation of the table.

@@ -12,7 +12,6 @@ const MAX_STARTS: usize = 10_000;
 /// differ by it.
 pub type StartBits = [u64; 6];
 
-/// The bits of a start.
 pub fn start_bits(Spawn { ego, ego_speed, pedestrian }: Spawn) -> StartBits {
     [ego.x, ego.y, ego.yaw, ego_speed, pedestrian.x, pedestrian.y].map(f64::to_bits)
 }

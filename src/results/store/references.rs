@@ -14,7 +14,6 @@ pub struct References {
     pub campaign: String,
     /// The folder for its reports; `None` for the current one.
     pub elsewhere: Option<PathBuf>,
-    /// The names of its tasks.
     pub tasks: BTreeSet<String>,
     file: PathBuf,
 }

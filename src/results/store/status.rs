@@ -34,7 +34,6 @@ pub struct TaskStatus {
 }
 
 impl TaskStatus {
-    /// Whether it is finished.
     pub fn is_finished(&self) -> bool {
         self.header.as_ref().is_some_and(|header| header.state == State::Finished)
     }

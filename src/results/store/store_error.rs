@@ -4,68 +4,34 @@ use std::path::PathBuf;
 /// Why tasks cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// The folder cannot be made or written to.
     #[error("cannot write to the folder `{path}`: {source}", path = path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        source: io::Error,
-    },
-    /// A file cannot be written.
+    Folder { path: PathBuf, source: io::Error },
     #[error("cannot write `{path}`: {source}", path = path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        source: io::Error,
-    },
-    /// A file is there and cannot be read.
+    File { path: PathBuf, source: io::Error },
     #[error("cannot read `{path}`: {source}; it may be whole, so it is left as it is", path = path.display())]
-    Unread {
-        /// The file.
-        path: PathBuf,
-        source: io::Error,
-    },
-    /// A link is in a folder of tasks.
+    Unread { path: PathBuf, source: io::Error },
     #[error(
         "`{path}` is a link, and nothing in a folder of tasks is read or written through one; remove it, or choose another folder with \
          --out or --cache",
         path = path.display()
     )]
     Link { path: PathBuf },
-    /// The cache is inside the folder for reports.
     #[error(
         "the cache `{cache}` is in the folder for reports, `{out}`, where every folder is a report; name one elsewhere, or none to have it \
          in `{out}/.falsify`",
         cache = cache.display(), out = out.display()
     )]
-    Inside {
-        cache: PathBuf,
-        /// The folder for reports.
-        out: PathBuf,
-    },
-    /// The cache is not a folder.
+    Inside { cache: PathBuf, out: PathBuf },
     #[error("the cache `{path}` is a file; name a folder", path = path.display())]
-    NoFolder {
-        /// The path that was named.
-        path: PathBuf,
-    },
-    /// The cache is a folder with other contents.
+    NoFolder { path: PathBuf },
     #[error("the cache `{path}` holds other things, such as `{entry}`; name a new or an empty folder", path = path.display())]
-    Foreign {
-        /// The folder.
-        path: PathBuf,
-        entry: String,
-    },
-    /// Reports cannot be moved to their place.
+    Foreign { path: PathBuf, entry: String },
     #[error(
         "`{beside}` is on another file system than the reports, so they could not appear in one step; take it away and name the place of \
          the tasks with --cache",
         beside = beside.display()
     )]
-    Apart {
-        /// The folder beside the reports.
-        beside: PathBuf,
-    },
+    Apart { beside: PathBuf },
 }
 
 impl StoreError {

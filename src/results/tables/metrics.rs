@@ -40,87 +40,39 @@ pub enum Inference {
     Pairs,
 }
 
-/// All metrics, in the order of their tables.
-pub const METRICS: [&Metric; 37] = [
-    &EPISODES,
-    &ERRORS,
-    &COLLISIONS,
-    &TOUCHES,
-    &FRONT_TOUCHES,
-    &COLLISION_RATE,
-    &TOUCH_RATE,
-    &FRONT_RATE,
-    &EPISODE_REWARD,
-    &EPISODE_LENGTH,
-    &IMPACT_SPEED,
-    &FORESEEABLE_COLLISIONS,
-    &PREVENTABLE_COLLISIONS,
-    &CONTESTED_COLLISIONS,
-    &MACHINE_PREVENTABLE_COLLISIONS,
-    &UNPREVENTABLE_COLLISIONS,
-    &BUMPS,
-    &FAULT_COLLISIONS,
-    &ANTICIPATION_FAULTS,
-    &EARLY_GATE_FAULTS,
-    &BOTH_FAULTS,
-    &NEITHER_FAULTS,
-    &WALKED_INTO_COLLISIONS,
-    &PREVENTABLE_RATE,
-    &PREVENTABLE_SHARE,
-    &FAULT_RATE,
-    &EXPECTED_PREVENTABLE,
-    &PLACED_STARTS,
-    &PLACED_RATE,
-    &AVOIDABLE_INJURY,
-    &ALL_EPISODES,
-    &LEFT_OUT_EPISODES,
-    &LEFT_OUT_RATE,
-    &ROAD_END_EPISODES,
-    &LEFT_ROAD_EPISODES,
-    &LEFT_ROAD_RATE,
-    &LEFT_LANE,
-];
+/// Declares metrics, and the list of them if it is named first; the comment of each is its meaning.
+macro_rules! metrics {
+    (all $shown:vis $ALL:ident; $($(#[doc = $doc:literal])+ $visible:vis $NAME:ident = $made:expr;)*) => {
+        /// The metrics, in the order of their tables.
+        $shown const $ALL: [&Metric; [$(stringify!($NAME)),*].len()] = [$(&$NAME),*];
+        $crate::tables::metrics::metrics! { $($(#[doc = $doc])+ $visible $NAME = $made;)* }
+    };
+    ($($(#[doc = $doc:literal])+ $visible:vis $NAME:ident = $made:expr;)*) => {
+        $(
+            $(#[doc = $doc])+
+            $visible const $NAME: Metric = $made.meaning(concat!($($doc),+).trim_ascii());
+        )*
+    };
+}
+pub(super) use metrics;
 
 /// Counts that metrics are ratios to, and that no table has.
 pub(super) const HIDDEN: [&Metric; 1] = [&LANE_EPISODES];
 
+pub(super) const fn count(name: &'static str, part: fn() -> Expr) -> Metric {
+    Metric { name, unit: "", doc: "", role: Role::Plain, part, whole: None, counted: None, inference: Inference::None }
+}
+
+pub(super) const fn share(name: &'static str, part: &'static Metric, whole: &'static Metric) -> Metric {
+    Metric { role: Role::Share, whole: Some(whole), counted: Some(part), ..count(name, part.part) }
+}
+
+/// The mean of a column over these episodes; a missing value counts as 0.
+const fn mean(column: &Column<f64>, part: fn() -> Expr, whole: &'static Metric) -> Metric {
+    Metric { unit: column.unit, role: column.role, whole: Some(whole), ..count(column.name, part) }
+}
+
 impl Metric {
-    pub(super) const fn count(name: &'static str, doc: &'static str, part: fn() -> Expr) -> Self {
-        Self { name, unit: "", doc, role: Role::Plain, part, whole: None, counted: None, inference: Inference::None }
-    }
-
-    pub(super) const fn share(
-        name: &'static str,
-        part: &'static Self,
-        whole: &'static Self,
-        doc: &'static str,
-    ) -> Self {
-        Self {
-            name,
-            unit: "",
-            doc,
-            role: Role::Share,
-            part: part.part,
-            whole: Some(whole),
-            counted: Some(part),
-            inference: Inference::None,
-        }
-    }
-
-    /// The mean of a column over these episodes; a missing value counts as 0.
-    const fn mean(column: &Column<f64>, part: fn() -> Expr, whole: &'static Self, doc: &'static str) -> Self {
-        Self {
-            name: column.name,
-            unit: column.unit,
-            doc,
-            role: column.role,
-            part,
-            whole: Some(whole),
-            counted: None,
-            inference: Inference::None,
-        }
-    }
-
     /// Whether it is a number of episodes.
     pub const fn is_count(&self) -> bool {
         self.whole.is_none()
@@ -129,6 +81,15 @@ impl Metric {
     /// The column of the sum of its part: that of a count is its value.
     pub(super) fn part_column(&self) -> String {
         if self.is_count() { self.name.into() } else { format!("{}_part", self.name) }
+    }
+
+    pub(super) const fn meaning(self, doc: &'static str) -> Self {
+        Self { doc, ..self }
+    }
+
+    /// With a name other than that of its column.
+    const fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
     }
 
     /// With more inferred of it.
@@ -220,165 +181,92 @@ fn of(episodes: Expr, column: &Column<f64>) -> Expr {
     polars::prelude::when(episodes).then(col(column.name)).otherwise(lit(0.0))
 }
 
-pub const EPISODES: Metric = Metric::count(
-    "episodes",
-    "number of episodes that count; those in error and those that are left out (`left_out`) are missing here and in every rate and mean",
-    counts,
-);
-pub const ERRORS: Metric = Metric::count("errors", "number of episodes in error", || ran().not());
-pub const COLLISIONS: Metric = Metric::count("collisions", "number of collisions, in which the car moved", collided);
-pub const BUMPS: Metric =
-    Metric::count("bumps", "number of bumps, in which a pedestrian touched the standing car", || ended(named::BUMP));
-pub const TOUCHES: Metric =
-    Metric::count("touches", "number of collisions and bumps", || collided().or(ended(named::BUMP)));
-pub const FRONT_TOUCHES: Metric =
-    Metric::count("front_touches", "number of collisions and bumps in the front sector", || {
-        counts().and(is(&columns::FRONT))
-    });
-pub const FORESEEABLE_COLLISIONS: Metric =
-    Metric::count("foreseeable_collisions", "number of collisions with a foreseeable pedestrian", || {
-        counts().and(is(&columns::FORESEEABLE))
-    });
-const WITH_VERDICT: &str = "number of collisions with that verdict";
-pub const PREVENTABLE_COLLISIONS: Metric =
-    Metric::count("preventable_collisions", WITH_VERDICT, || labelled(Label::Preventable));
-pub const CONTESTED_COLLISIONS: Metric =
-    Metric::count("contested_collisions", WITH_VERDICT, || labelled(Label::Contested));
-pub const MACHINE_PREVENTABLE_COLLISIONS: Metric =
-    Metric::count("machine_preventable_collisions", WITH_VERDICT, || labelled(Label::MachinePreventable));
-pub const UNPREVENTABLE_COLLISIONS: Metric =
-    Metric::count("unpreventable_collisions", WITH_VERDICT, || labelled(Label::Unpreventable));
-pub const FAULT_COLLISIONS: Metric =
-    Metric::count("fault_collisions", "number of faults", || counts().and(is(&columns::FAULT)));
-const ANTICIPATION_FAULTS: Metric =
-    Metric::count("anticipation_faults", RESTING_DOC, || resting(RestsOn::Anticipation));
-const EARLY_GATE_FAULTS: Metric = Metric::count("early_gate_faults", RESTING_DOC, || resting(RestsOn::EarlyGate));
-const BOTH_FAULTS: Metric = Metric::count("both_faults", RESTING_DOC, || resting(RestsOn::Both));
-const NEITHER_FAULTS: Metric = Metric::count("neither_faults", RESTING_DOC, || resting(RestsOn::Neither));
-const RESTING_DOC: &str = "number of faults whose `rests_on` is that";
+metrics! {
+    all pub METRICS;
+    /// number of episodes that count; those in error and those that are left out (`left_out`) are missing here and in every rate and mean
+    pub EPISODES = count("episodes", counts);
+    /// number of episodes in error
+    pub ERRORS = count("errors", || ran().not());
+    /// number of collisions, in which the car moved
+    pub COLLISIONS = count("collisions", collided);
+    /// number of collisions and bumps
+    pub TOUCHES = count("touches", || collided().or(ended(named::BUMP)));
+    /// number of collisions and bumps in the front sector
+    pub FRONT_TOUCHES = count("front_touches", || counts().and(is(&columns::FRONT)));
+    /// collisions of all *episodes*; bumps do not count (the paper's moving CR)
+    pub COLLISION_RATE = share("collision_rate", &COLLISIONS, &EPISODES).inferring(Inference::Pairs);
+    /// collisions and bumps of all *episodes* (the paper's CR)
+    pub TOUCH_RATE = share("touch_rate", &TOUCHES, &EPISODES).inferring(Inference::Trainings);
+    /// collisions and bumps in the front sector of *all of them* (the paper's front CR); missing without any
+    pub FRONT_RATE = share("front_rate", &FRONT_TOUCHES, &TOUCHES).inferring(Inference::Trainings);
+    /// mean reward of an episode
+    pub EPISODE_REWARD = mean(&columns::EPISODE_REWARD, || of(counts(), &columns::EPISODE_REWARD), &EPISODES).inferring(Inference::Trainings);
+    /// mean length of an episode
+    pub EPISODE_LENGTH = mean(&columns::EPISODE_LENGTH, || of(counts(), &columns::EPISODE_LENGTH), &EPISODES).inferring(Inference::Trainings);
+    /// mean speed of the car at a collision
+    pub IMPACT_SPEED = mean(&columns::IMPACT_SPEED, || of(collided(), &columns::IMPACT_SPEED), &COLLISIONS).inferring(Inference::Trainings);
+    /// number of collisions with a foreseeable pedestrian
+    pub FORESEEABLE_COLLISIONS = count("foreseeable_collisions", || counts().and(is(&columns::FORESEEABLE)));
+    /// number of collisions with that verdict
+    pub PREVENTABLE_COLLISIONS = count("preventable_collisions", || labelled(Label::Preventable));
+    /// number of collisions with that verdict
+    pub CONTESTED_COLLISIONS = count("contested_collisions", || labelled(Label::Contested));
+    /// number of collisions with that verdict
+    pub MACHINE_PREVENTABLE_COLLISIONS = count("machine_preventable_collisions", || labelled(Label::MachinePreventable));
+    /// number of collisions with that verdict
+    pub UNPREVENTABLE_COLLISIONS = count("unpreventable_collisions", || labelled(Label::Unpreventable));
+    /// number of bumps, in which a pedestrian touched the standing car
+    pub BUMPS = count("bumps", || ended(named::BUMP));
+    /// number of faults
+    pub FAULT_COLLISIONS = count("fault_collisions", || counts().and(is(&columns::FAULT)));
+    /// number of faults whose `rests_on` is that
+    ANTICIPATION_FAULTS = count("anticipation_faults", || resting(RestsOn::Anticipation));
+    /// number of faults whose `rests_on` is that
+    EARLY_GATE_FAULTS = count("early_gate_faults", || resting(RestsOn::EarlyGate));
+    /// number of faults whose `rests_on` is that
+    BOTH_FAULTS = count("both_faults", || resting(RestsOn::Both));
+    /// number of faults whose `rests_on` is that
+    NEITHER_FAULTS = count("neither_faults", || resting(RestsOn::Neither));
+    /// number of collisions in which the pedestrian walked into the side or the rear
+    pub WALKED_INTO_COLLISIONS = count("walked_into_collisions", || counts().and(is(&columns::WALKED_INTO)));
+    /// preventable collisions of all *episodes*
+    pub PREVENTABLE_RATE = share("preventable_rate", &PREVENTABLE_COLLISIONS, &EPISODES).inferring(Inference::Pairs);
+    /// preventable collisions of all *collisions*; missing without any collision
+    pub PREVENTABLE_SHARE = share("preventable_share", &PREVENTABLE_COLLISIONS, &COLLISIONS);
+    /// faults of all *episodes*
+    pub FAULT_RATE = share("fault_rate", &FAULT_COLLISIONS, &EPISODES).inferring(Inference::Pairs);
+    /// the expected rate of collisions that a driver drawn at random would have avoided, of all *episodes*
+    pub EXPECTED_PREVENTABLE = mean(&columns::PREVENTABLE_PROBABILITY, || of(counts(), &columns::PREVENTABLE_PROBABILITY), &EPISODES).named("expected_preventable");
+    /// number of starts that the driver did not reach in its run-up
+    pub PLACED_STARTS = count("placed_starts", || ran().and(is(&columns::PLACED)));
+    /// their share of `all_episodes`; near 1 it never drives to where the pedestrian is
+    pub PLACED_RATE = share("placed_rate", &PLACED_STARTS, &ALL_EPISODES);
+    /// mean over episodes of the risk of a severe injury that a careful human would have spared; times 1,000 it is per 1,000 episodes
+    pub AVOIDABLE_INJURY = mean(&columns::AVOIDABLE_INJURY, || of(counts(), &columns::AVOIDABLE_INJURY), &EPISODES);
+    /// number of episodes without error; those that count, and those that are left out
+    pub ALL_EPISODES = count("all_episodes", ran);
+    /// number of episodes that are left out; the driver did not reach its start, its car left the road before it could see a pedestrian, or it drove past the
+    /// end of the road
+    pub LEFT_OUT_EPISODES = count("left_out_episodes", || ran().and(counts().not()));
+    /// their share of `all_episodes`
+    pub LEFT_OUT_RATE = share("left_out_rate", &LEFT_OUT_EPISODES, &ALL_EPISODES);
+    /// number of episodes that are left out since the car drove past the end of the road
+    pub ROAD_END_EPISODES = count("road_end_episodes", || ran().and(col(columns::LEFT_OUT.name).eq(lit(LeftOut::RoadEnd.name()))));
+    /// number of episodes in which the centre of the car was outside all driving lanes; those that are left out included
+    pub LEFT_ROAD_EPISODES = count("left_road_episodes", || ran().and(is(&columns::LEFT_ROAD)));
+    /// their share of `all_episodes`; near 1 the driver does not follow its route
+    pub LEFT_ROAD_RATE = share("left_road_rate", &LEFT_ROAD_EPISODES, &ALL_EPISODES);
+    /// mean time of an episode in which the car was outside its lane, over `all_episodes`
+    pub LEFT_LANE = mean(&columns::LEFT_LANE, || of(ran(), &columns::LEFT_LANE), &LANE_EPISODES);
+}
+
+metrics! {
+    /// number of episodes without error in which the car was on a road with lanes, also where they are left out
+    LANE_EPISODES = count("lane_episodes", || ran().and(col(columns::LEFT_LANE.name).is_not_null()));
+}
+
 /// The counts of faults by what they rest on, in the order of [`RestsOn::ALL`].
 pub const RESTING: [&Metric; 4] = [&ANTICIPATION_FAULTS, &EARLY_GATE_FAULTS, &BOTH_FAULTS, &NEITHER_FAULTS];
-pub const WALKED_INTO_COLLISIONS: Metric = Metric::count(
-    "walked_into_collisions",
-    "number of collisions in which the pedestrian walked into the side or the rear",
-    || counts().and(is(&columns::WALKED_INTO)),
-);
-pub const PLACED_STARTS: Metric =
-    Metric::count("placed_starts", "number of starts that the driver did not reach in its run-up", || {
-        ran().and(is(&columns::PLACED))
-    });
-pub const ALL_EPISODES: Metric = Metric::count(
-    "all_episodes",
-    "number of episodes without error; those that count, and those that are left out",
-    ran,
-);
-pub const LEFT_OUT_EPISODES: Metric = Metric::count(
-    "left_out_episodes",
-    "number of episodes that are left out; the driver did not reach its start, its car left the road before it could see a pedestrian, or it drove past \
-     the end of the road",
-    || ran().and(counts().not()),
-);
-pub const ROAD_END_EPISODES: Metric = Metric::count(
-    "road_end_episodes",
-    "number of episodes that are left out since the car drove past the end of the road",
-    || ran().and(col(columns::LEFT_OUT.name).eq(lit(LeftOut::RoadEnd.name()))),
-);
-pub const LEFT_ROAD_EPISODES: Metric = Metric::count(
-    "left_road_episodes",
-    "number of episodes in which the centre of the car was outside all driving lanes; those that are left out included",
-    || ran().and(is(&columns::LEFT_ROAD)),
-);
-const LANE_EPISODES: Metric = Metric::count(
-    "lane_episodes",
-    "number of episodes without error in which the car was on a road with lanes, also where they are left out",
-    || ran().and(col(columns::LEFT_LANE.name).is_not_null()),
-);
-
-pub const COLLISION_RATE: Metric = Metric::share(
-    "collision_rate",
-    &COLLISIONS,
-    &EPISODES,
-    "collisions of all *episodes*; bumps do not count (the paper's moving CR)",
-)
-.inferring(Inference::Pairs);
-pub const TOUCH_RATE: Metric =
-    Metric::share("touch_rate", &TOUCHES, &EPISODES, "collisions and bumps of all *episodes* (the paper's CR)")
-        .inferring(Inference::Trainings);
-pub const FRONT_RATE: Metric = Metric::share(
-    "front_rate",
-    &FRONT_TOUCHES,
-    &TOUCHES,
-    "collisions and bumps in the front sector of *all of them* (the paper's front CR); missing without any",
-)
-.inferring(Inference::Trainings);
-pub const PREVENTABLE_RATE: Metric =
-    Metric::share("preventable_rate", &PREVENTABLE_COLLISIONS, &EPISODES, "preventable collisions of all *episodes*")
-        .inferring(Inference::Pairs);
-pub const PREVENTABLE_SHARE: Metric = Metric::share(
-    "preventable_share",
-    &PREVENTABLE_COLLISIONS,
-    &COLLISIONS,
-    "preventable collisions of all *collisions*; missing without any collision",
-);
-pub const FAULT_RATE: Metric =
-    Metric::share("fault_rate", &FAULT_COLLISIONS, &EPISODES, "faults of all *episodes*").inferring(Inference::Pairs);
-pub const PLACED_RATE: Metric = Metric::share(
-    "placed_rate",
-    &PLACED_STARTS,
-    &ALL_EPISODES,
-    "their share of `all_episodes`; near 1 it never drives to where the pedestrian is",
-);
-pub const LEFT_OUT_RATE: Metric =
-    Metric::share("left_out_rate", &LEFT_OUT_EPISODES, &ALL_EPISODES, "their share of `all_episodes`");
-pub const LEFT_ROAD_RATE: Metric = Metric::share(
-    "left_road_rate",
-    &LEFT_ROAD_EPISODES,
-    &ALL_EPISODES,
-    "their share of `all_episodes`; near 1 the driver does not follow its route",
-);
-
-pub const EPISODE_REWARD: Metric = Metric::mean(
-    &columns::EPISODE_REWARD,
-    || of(counts(), &columns::EPISODE_REWARD),
-    &EPISODES,
-    "mean reward of an episode",
-)
-.inferring(Inference::Trainings);
-pub const EPISODE_LENGTH: Metric = Metric::mean(
-    &columns::EPISODE_LENGTH,
-    || of(counts(), &columns::EPISODE_LENGTH),
-    &EPISODES,
-    "mean length of an episode",
-)
-.inferring(Inference::Trainings);
-pub const IMPACT_SPEED: Metric = Metric::mean(
-    &columns::IMPACT_SPEED,
-    || of(collided(), &columns::IMPACT_SPEED),
-    &COLLISIONS,
-    "mean speed of the car at a collision",
-)
-.inferring(Inference::Trainings);
-pub const EXPECTED_PREVENTABLE: Metric = Metric {
-    name: "expected_preventable",
-    ..Metric::mean(
-        &columns::PREVENTABLE_PROBABILITY,
-        || of(counts(), &columns::PREVENTABLE_PROBABILITY),
-        &EPISODES,
-        "the expected rate of collisions that a driver drawn at random would have avoided, of all *episodes*",
-    )
-};
-pub const AVOIDABLE_INJURY: Metric = Metric::mean(
-    &columns::AVOIDABLE_INJURY,
-    || of(counts(), &columns::AVOIDABLE_INJURY),
-    &EPISODES,
-    "mean over episodes of the risk of a severe injury that a careful human would have spared; times 1,000 it is per 1,000 episodes",
-);
-pub const LEFT_LANE: Metric = Metric::mean(
-    &columns::LEFT_LANE,
-    || of(ran(), &columns::LEFT_LANE),
-    &LANE_EPISODES,
-    "mean time of an episode in which the car was outside its lane, over `all_episodes`",
-);
 
 /// What the answer of a comparison weighs, with the plural of what a rate is of; searches count with the first.
 pub const ANSWER: [(&Metric, &str); 3] = [
@@ -389,7 +277,6 @@ pub const ANSWER: [(&Metric, &str); 3] = [
 
 /// The number of runs of a cell.
 pub const RUNS: Column<u32> = Column::new("runs", "", "number of runs");
-/// The mean over the runs of a cell.
 pub const MEAN: Family<f64> = Family::new("_mean", "", "mean over the runs of the cell");
 
 /// The counts of touches with each verdict, in the order of [`Label::ALL`].

@@ -33,3 +33,4 @@ pub use searches::{
 };
 pub(crate) use searches::{search_cells, search_pairs, searched_drivers};
 pub use statistics::student as student_interval;
+pub(crate) use statistics::{adjusted, interval, statistic};

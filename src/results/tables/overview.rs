@@ -35,7 +35,6 @@ const ROW: &str = "number of the row";
 /// Whether all rows of the group are fixed cases that end alike, which are one run.
 const IS_ONE: &str = "is one run";
 
-/// The column of a setting.
 pub fn setting_column(name: &str) -> String {
     format!("{name} =")
 }
@@ -165,7 +164,8 @@ pub(crate) fn seed_pairs(rows: &DataFrame, settings: &[String], all: bool) -> Po
             student(seeds, (f64::NEG_INFINITY, f64::INFINITY))
         }));
         let variance = |name: &str| col(name) * (lit(1.0) - col(name));
-        let variances = variance(metric.name) / counted("") + variance(&format!("{}{OTHER}", metric.name)) / counted(OTHER);
+        let variances =
+            variance(metric.name) / counted("") + variance(&format!("{}{OTHER}", metric.name)) / counted(OTHER);
         let p = statistic([differences(), variances], |[seeds, variances]| mean_p_of_rates(seeds, variances));
         columns.push(p.alias(p_column(metric.name)));
     }

@@ -24,7 +24,6 @@ impl Rate {
         }
     }
 
-    /// With an interval.
     pub fn within(self, interval: Option<(f64, f64)>) -> Self {
         Self { interval, ..self }
     }
@@ -32,7 +31,6 @@ impl Rate {
 
 #[cfg(test)]
 impl Rate {
-    /// A single value.
     pub fn single(value: f64) -> Self {
         Self { value: Some(value), ..Self::default() }
     }

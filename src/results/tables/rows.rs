@@ -80,7 +80,6 @@ impl<K> Row<K> {
         self.number(column).map_or(0, |number| number as u64)
     }
 
-    /// Whether a column holds.
     pub fn holds(&self, column: &Column<bool>) -> bool {
         column.value(&self.table, self.row).is_ok_and(|value| value == Some(true))
     }

@@ -1,27 +1,26 @@
 //! What is made of the table of searches: cells of searches that differ in their run alone, and pairs of these.
 
 use polars::prelude::{
-    DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, LazyFrame, MaintainOrderJoin, PolarsResult, SortMultipleOptions, UnionArgs, col, concat, len, lit,
+    DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, LazyFrame, MaintainOrderJoin, PolarsResult,
+    SortMultipleOptions, UnionArgs, col, concat, len, lit,
 };
 
 use super::metrics::{MEAN, RUNS};
 use super::statistics::{adjusted, interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, DRIVER, REWARD, RUN, TOWN};
-use crate::record::{Column, ColumnReference, Role};
+use crate::record::{Column, ColumnReference, Role, columns};
 use base::statistics::{MIN_RUNS, clopper_pearson, mean_interval_at, mean_p};
 
-pub const METHOD: Column<String> = Column::new("method", "", "the search, by the name of its method");
-pub const STARTS: Column<u64> = Column::new(
-    "starts",
-    "",
-    "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all searches",
-);
-pub const TRIED: Column<String> = Column::new("tried", "", "numbers of these starts, as `0-31 40`");
-pub const FIRST_START: Column<String> = Column::new(
-    "first_start",
-    "",
-    "number of the first of these starts and hash of it as it was drawn; searches with equal ones have the same starts",
-);
+columns! {
+    /// the search, by the name of its method
+    pub METHOD: Column<String> = "method";
+    /// different starts of these episodes; starts 0, 1, 2, … of a run are the same for all searches
+    pub STARTS: Column<u64> = "starts";
+    /// numbers of these starts, as `0-31 40`
+    pub TRIED: Column<String> = "tried";
+    /// number of the first of these starts and hash of it as it was drawn; searches with equal ones have the same starts
+    pub FIRST_START: Column<String> = "first_start";
+}
 pub const SEARCH_BLOCK: Column<u64> =
     Column::new(BLOCK.name, "", "number of the `search` block in its campaign, from 0");
 pub const SEARCH_RUN: Column<u64> = Column::new(RUN.name, "", RUN.doc);
@@ -34,16 +33,13 @@ pub const USED: &str = "used_ticks";
 pub const SEARCH_EPISODES: &str = "episodes";
 pub const FAILURE_COUNT: &str = "failures";
 pub const FAILED_STARTS: &str = "failed_starts";
-/// Ticks to the first failure.
 pub const FIRST_FAILURE: &str = "first_failure_ticks";
-/// Simulations to the first failure.
 pub const FIRST_SIMULATIONS: &str = "first_failure_simulations";
 pub const PREVENTABLE_COUNT: &str = "preventable";
 pub const FAULT_COUNT: &str = "faults";
 pub const FAULT_STARTS: &str = "fault_starts";
 /// The share of the starts from which it found a fault.
 pub const FAULT_START_RATE: &str = "fault_start_rate";
-/// Ticks to the first fault.
 pub const FIRST_FAULT: &str = "first_fault_ticks";
 /// The avoidable injury of a thousand episodes.
 pub const INJURY: &str = "avoidable_injury_per_thousand";
@@ -182,11 +178,10 @@ const AVERAGED_DOC: &str = "mean over `runs` with Student's 95 % interval, on th
      that are the same in all";
 
 // The columns of pairs of searches.
-pub const FIGURE: Column<String> = Column::new(
-    "figure",
-    "",
-    "`collision_rate`, `preventable_rate` or `fault_rate`, or of searches a metric: what is compared",
-);
+columns! {
+    /// `collision_rate`, `preventable_rate` or `fault_rate`, or of searches a metric: what is compared
+    pub FIGURE: Column<String> = "figure";
+}
 pub const OTHER: &str = "_other";
 pub const DIFFERENCES: &str = "differences";
 pub const DIFFERENCE: &str = "difference";

@@ -22,17 +22,6 @@ pub fn statistic<const N: usize>(
     apply_multiple(of_group, of.map(|expression| expression.cast(DataType::Float64)), field, true)
 }
 
-/// Holm's correction of the probabilities that are not missing.
-pub fn adjusted(p: Expr) -> Expr {
-    let adjusted = |p: Column| {
-        let p = p.f64()?;
-        let mut known = holm(&p.iter().flatten().collect::<Vec<f64>>()).into_iter();
-        let all: Float64Chunked = p.iter().map(|p| p.and_then(|_| known.next())).collect();
-        Ok(all.with_name(p.name().clone()).into_column())
-    };
-    p.apply(adjusted, |_, field| Ok(Field::new(field.name().clone(), DataType::Float64)))
-}
-
 /// The columns `NAME_low` and `NAME_high` of an interval.
 pub fn interval<const N: usize>(
     name: &str,
@@ -42,6 +31,17 @@ pub fn interval<const N: usize>(
     let low = statistic(of.clone(), move |numbers| Some(ends(numbers)?.0));
     let high = statistic(of, move |numbers| Some(ends(numbers)?.1));
     [low.alias(format!("{name}_low")), high.alias(format!("{name}_high"))]
+}
+
+/// Probabilities, adjusted by Holm's method for those that are not missing.
+pub fn adjusted(p: Expr) -> Expr {
+    let holm_of = |p: Column| {
+        let p = p.f64()?;
+        let mut known = holm(&p.iter().flatten().collect::<Vec<f64>>()).into_iter();
+        let all: Float64Chunked = p.iter().map(|p| p.and_then(|_| known.next())).collect();
+        Ok(all.with_name(p.name().clone()).into_column())
+    };
+    p.apply(holm_of, |_, field| Ok(Field::new(field.name().clone(), DataType::Float64)))
 }
 
 /// A number of runs: its mean, its sample deviation, and the values of those that have one.

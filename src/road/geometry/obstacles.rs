@@ -142,7 +142,12 @@ impl Obstacles {
     /// sight of drivers, sensors, signals and verdicts.
     ///
     /// Seen from above: whatever is in between hides, however low. The target is a middle and half its width as the eye sees it (m).
-    pub fn visible_share(&self, eye: Point, target: (Point, f64), others: impl Iterator<Item = OrientedBox> + Clone) -> f64 {
+    pub fn visible_share(
+        &self,
+        eye: Point,
+        target: (Point, f64),
+        others: impl Iterator<Item = OrientedBox> + Clone,
+    ) -> f64 {
         self.free_rays(eye, target, others).count() as f64 / RAYS.len() as f64
     }
 

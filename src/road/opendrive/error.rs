@@ -59,7 +59,6 @@ pub enum OpenDriveProblem {
     },
     #[error("the unit `{unit}` of a speed limit is none of `m/s`, `km/h`, `mph`; the limit is skipped")]
     UnknownUnit { unit: String },
-    /// A sign stands so far from its own road that it counts on another one.
     #[error("the speed sign stands {apart} m beside its lane; it counts on the lane beside which it stands")]
     SignFarAway { apart: u32 },
     #[error("a geometry of no known form; taken as a line")]
@@ -114,7 +113,6 @@ pub enum OpenDriveProblem {
     BeyondRoad { element: &'static str, s: String, length: String },
     #[error("the crosswalk lies {apart} m beside the lanes; no car passes it")]
     CrosswalkAside { apart: u32 },
-    /// A link names a junction by a number that a road has too, or a road by a number that a junction has too.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
     AmbiguousLink { element: &'static str, wanted: &'static str, found: &'static str, id: String },
     #[error("`{element}` {id} is duplicate; the first is used")]
@@ -123,7 +121,6 @@ pub enum OpenDriveProblem {
     RepeatedSignal { id: String, count: usize },
     #[error("`{element}` refers to {id}, which is not there; ignored")]
     UnknownReference { element: String, id: String },
-    /// A connection has no lane links; they were taken from the links of the connecting road's lanes.
     #[error("a connection without lane links; those of the connecting road's lanes are taken")]
     GuessedLaneLinks,
     #[error("cars do not drive on {count} × {what}")]

@@ -20,7 +20,6 @@ const MAX_KEPT: usize = 60;
 /// A falsifier with its name, and the scenario of each town with its reward.
 pub type Attack = (String, Arc<dyn Falsifier>, Vec<Arc<Scenario>>);
 
-/// What is hardened, and how.
 #[derive(Debug, Clone)]
 pub struct Hardening {
     pub driver: Tunable,
@@ -39,7 +38,6 @@ pub struct Hardening {
     pub traffic: u32,
     pub natural: Controller,
     pub rule: TrafficRule,
-    /// The towns of the test, with their names.
     pub test_towns: Vec<(String, Arc<Scenario>)>,
     /// Who walks in the test.
     pub walkers: Vec<Controller>,

@@ -54,7 +54,6 @@ pub struct Likelihood {
 pub struct Estimate {
     /// One for each event, in the order of [`Blame`].
     pub likelihoods: Vec<Likelihood>,
-    /// Number of encounters.
     pub encounters: u64,
     /// Number of these that count; probabilities are among these.
     pub counted: u64,

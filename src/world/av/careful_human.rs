@@ -61,7 +61,8 @@ impl CarefulHuman {
         let wait = keys.evaluation + REACTION;
         let profile = BrakeProfile { wait, ramp: keys.ramp, full: FULL_BRAKING };
         let brake = DelayedBrake::new(Some(Gate::CAREFUL), profile);
-        let human = Self { brake, range: keys.range, evaluation: keys.evaluation, noticed: Vec::new(), watched: Vec::new() };
+        let human =
+            Self { brake, range: keys.range, evaluation: keys.evaluation, noticed: Vec::new(), watched: Vec::new() };
         Guarded::new(human, keys.lane, keys.at_crosswalks)
     }
 
@@ -126,9 +127,8 @@ impl LaneGuard for CarefulHuman {
 
     fn drive(&mut self, intent: &Intent, trace: &RouteTrace, perception: &Perception<'_>) -> (Control, DrivingMode) {
         let stands = perception.ego.speed() <= OwnMotion::STANDING;
-        let is_seen = |id: &ActorId| {
-            perception.pedestrians.iter().any(|actor| actor.id == *id && perception.in_sight(actor))
-        };
+        let is_seen =
+            |id: &ActorId| perception.pedestrians.iter().any(|actor| actor.id == *id && perception.in_sight(actor));
         self.watched.retain(is_seen);
         self.look(trace, perception);
         if stands && self.noticed.is_empty() {

@@ -104,7 +104,10 @@ mod tests {
                 (speed, way) = (after, way + travelled);
             }
             let (exact, most): (f64, f64) = (from * from / (2.0 * braking), braking * tick * tick / 2.0);
-            assert!((0.0..most).contains(&(way - exact)), "from {from} m/s with {braking} m/s²: {way} and not {exact} m");
+            assert!(
+                (0.0..most).contains(&(way - exact)),
+                "from {from} m/s with {braking} m/s²: {way} and not {exact} m"
+            );
         }
         assert_eq!(advance(0.0, -5.0, 0.05), (0.0, 0.0));
         assert_eq!(advance(0.0, 2.0, 0.5), (0.25, 1.0));

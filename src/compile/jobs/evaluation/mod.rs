@@ -64,7 +64,6 @@ pub struct Evaluation {
     pub world: Arc<str>,
     /// The scenario of the evaluation.
     pub scenario: Arc<Scenario>,
-    /// The number of episodes.
     pub episodes: u32,
 }
 

@@ -229,7 +229,6 @@ fn dimension(policy: &Declaration, key: &str, catalog: &Catalog) -> Option<Dimen
     signature.params.iter().find(|param| param.name == key).and_then(|param| Type::dimension(&param.ty))
 }
 
-/// The arguments with these values.
 fn with(arguments: &Arguments, varied: &[VariedKey], values: &[f64]) -> Arguments {
     let mut arguments = arguments.clone();
     for (varied, value) in varied.iter().zip(values) {

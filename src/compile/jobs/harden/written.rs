@@ -11,7 +11,6 @@ pub struct WrittenPolicy {
     pub varied: Vec<VariedKey>,
 }
 
-/// A number that is varied.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VariedKey {
     /// The value of a key, in this unit of SI.
@@ -24,12 +23,10 @@ pub enum VariedKey {
 pub(crate) const PARAMETERS: &str = "parameters";
 
 impl VariedKey {
-    /// Whether it is the value of this key.
     pub(crate) fn is_key(&self, name: &str) -> bool {
         matches!(self, Self::Key { key, .. } if *key == name)
     }
 
-    /// The unit of the number.
     pub fn unit(&self) -> &'static str {
         match self {
             Self::Key { unit, .. } => unit,

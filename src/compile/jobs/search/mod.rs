@@ -49,7 +49,6 @@ impl fmt::Display for SearchKey {
 #[derive(Debug, Clone)]
 pub struct Search {
     pub origin: Origin,
-    /// Its names.
     pub key: SearchKey,
     /// The scenario of the search.
     pub scenario: Arc<Scenario>,

@@ -50,11 +50,9 @@ impl fmt::Display for TrainingKey {
     }
 }
 
-/// One training.
 #[derive(Debug, Clone)]
 pub struct Training {
     pub origin: Origin,
-    /// Its names.
     pub key: TrainingKey,
     /// The scenario of the training, or the first of several.
     pub scenario: Arc<Scenario>,
@@ -87,7 +85,6 @@ impl Training {
         self.candidates > 1
     }
 
-    /// The seed of a candidate.
     pub fn candidate_seed(&self, candidate: u32, seed: &Seed) -> Seed {
         let seed = self.key.seed(seed);
         if candidate == 0 { seed } else { seed.child("candidate").index(candidate.into()) }

@@ -8,7 +8,6 @@ use results::jobs::{KINDS, Kind};
 /// All jobs of a campaign that are done here.
 #[derive(Debug)]
 pub struct Board {
-    /// The name of the campaign.
     pub campaign: String,
     /// The time of its start.
     pub began: Instant,
@@ -29,7 +28,6 @@ impl Board {
         place.expect("only what is wanted is done")
     }
 
-    /// The job of a task.
     pub fn job(&mut self, task: Task) -> &mut Job {
         let place = self.place(task);
         &mut self.jobs[place]

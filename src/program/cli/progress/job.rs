@@ -17,7 +17,6 @@ struct Part {
 /// A job of a campaign, and how far it is.
 #[derive(Debug)]
 pub struct Job {
-    /// Its kind.
     pub kind: &'static Kind,
     /// Its place in the campaign.
     pub place: usize,
@@ -156,7 +155,6 @@ impl Job {
         self.begun.is_some() && self.took.is_none()
     }
 
-    /// Whether it has ended.
     pub fn is_ended(&self) -> bool {
         self.took.is_some()
     }

@@ -7,13 +7,11 @@ use learn::UpdateLog;
 /// What a training has learnt up to now, in the newest row of its learning curve.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Learnt {
-    /// The number of updates.
     pub updates: u64,
     /// The number of episodes that have ended.
     pub episodes: u64,
     /// The mean reward of the last episodes, up to 100 of them; `None` before the first has ended.
     pub mean_reward: Option<f64>,
-    /// Their mean length in decisions.
     pub mean_length_decisions: Option<f64>,
     /// The share of them that ended in a collision, with actions drawn from the policy.
     pub collision_rate: Option<f64>,

@@ -21,7 +21,6 @@ use world::av::{Cruise, CruiseKeys, DrivingPolicy, Native, NativeKeys};
 const UNTRIED: &str = "        not compared: an engine of half to twice our force, 10 % less brake, 15 % less steering, a control 0.1 s late, how its own drivers move its car; \
     other speeds, times, maps and bodies are not tried: a run compares its car in each tick, too";
 
-/// Number of episodes.
 const EPISODES: u32 = 4;
 
 /// `falsify check --world WORLD`

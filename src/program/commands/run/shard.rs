@@ -20,34 +20,16 @@ pub struct NamedShard {
 /// Why a text is not a shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoShard {
-    /// It has another form.
     #[error("write INDEX/COUNT, such as 3/16, or auto/16")]
     Form,
-    /// The number of shards is 0.
     #[error("there must be at least one shard")]
     Count,
-    /// The index is too large.
     #[error("{count} shards are counted from 0 to {}", count - 1)]
-    Index {
-        /// The number of shards.
-        count: u32,
-    },
-    /// The environment has no number.
+    Index { count: u32 },
     #[error("--shard auto/{count} needs {} or {} in the environment", NUMBERS[0], NUMBERS[1])]
-    NoNumber {
-        /// The number of shards.
-        count: u32,
-    },
-    /// The variable of the environment is not the number of a shard.
+    NoNumber { count: u32 },
     #[error("{variable} is `{value}`, but {count} shards are counted from 0 to {}", count - 1)]
-    Number {
-        /// The variable.
-        variable: &'static str,
-        /// Its value.
-        value: String,
-        /// The number of shards.
-        count: u32,
-    },
+    Number { variable: &'static str, value: String, count: u32 },
 }
 
 impl FromStr for NamedShard {

@@ -37,7 +37,6 @@ pub(super) const KIND: Kind = Kind {
     ..Kind::new::<Cover>("cover", "covers", "cover")
 };
 
-/// A cover, and what it found.
 type Row<'a> = (&'a Cover, &'a FoundInBox);
 
 /// What a cover found.

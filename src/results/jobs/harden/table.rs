@@ -1,6 +1,6 @@
 use super::Row;
-use crate::record::Table;
 use crate::record::columns::{DRIVER, RUN, RUN_ID};
+use crate::record::{Table, entries};
 use compile::Harden;
 use search::hardening::Tested;
 use verdict::Traffic;
@@ -63,20 +63,26 @@ pub fn columns<'a>() -> Table<'a, Changed<'a>> {
         "hardened",
         "Several rows for each `harden` of a driver: its keys before and after, and what held-out tests show. Starts of a test are equal before and after.",
     )
-    .column(RUN_ID.of(|row: &Changed<'_>| row.job.origin.id.to_string()))
-    .column(DRIVER.of(|row: &Changed<'_>| row.job.written.name.clone()))
-    .column(RUN.of(|row: &Changed<'_>| row.job.origin.run))
-    .text(
-        "about",
-        "`key`: a varied key, in SI. `pedestrian`, `method`: starts with a fault in a test with a pedestrian or a \
-         search. `progress`, `comfort`: natural encounters in the towns of the test",
-        |row| row.about.to_string(),
-    )
-    .text("name", "the key, the pedestrian or search that attacks, or the figure", |row| row.name.clone())
-    .text("town", "town of the test", |row| row.town.clone())
-    .count("starts", "starts that count, for both where they are pairs", |row| row.starts)
-    .number("before", "value before", |row| row.before)
-    .number("after", "value after", |row| row.after)
-    .count("new_faults", "starts with a fault after and none before", |row| row.new)
-    .count("errors", "episodes in which a program failed", |row| row.errors)
+    .columns(entries! { row: &Changed<'_>;
+        RUN_ID = row.job.origin.id.to_string();
+        DRIVER = row.job.written.name.clone();
+        RUN = row.job.origin.run;
+        /// `key`: a varied key, in SI. `pedestrian`, `method`: starts with a fault in a test with a pedestrian or a search. `progress`, `comfort`: natural
+        /// encounters in the towns of the test
+        about: String = row.about.to_string();
+        /// the key, the pedestrian or search that attacks, or the figure
+        name: String = row.name.clone();
+        /// town of the test
+        town: String = row.town.clone();
+        /// starts that count, for both where they are pairs
+        starts: u64 = row.starts;
+        /// value before
+        before: f64 = row.before;
+        /// value after
+        after: f64 = row.after;
+        /// starts with a fault after and none before
+        new_faults: u64 = row.new;
+        /// episodes in which a program failed
+        errors: u64 = row.errors;
+    })
 }

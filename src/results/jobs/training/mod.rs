@@ -32,7 +32,6 @@ pub(super) const KIND: Kind = Kind {
     ..Kind::new::<Training>("training", "trainings", "train")
 };
 
-/// The result of a training.
 #[derive(Debug, Clone)]
 pub struct TrainingResult {
     pub key: TrainingKey,

@@ -16,7 +16,6 @@ use compile::Driver;
 /// The failures of a driver that searches found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SearchFailures {
-    /// All of them.
     pub all: usize,
     /// Those that a careful human would have avoided.
     pub preventable: usize,

@@ -1,6 +1,6 @@
 use crate::jobs::SearchResult;
 use crate::record::columns::{DRIVER, RUN_ID, TOWN};
-use crate::record::{Column, EpisodeTable, Table};
+use crate::record::{EpisodeTable, Table, entries};
 use base::choice;
 use base::statistics::{clopper_pearson, mean};
 use compile::{Campaign, Evaluation};
@@ -299,62 +299,36 @@ pub const PROTOCOL: &str = "protocol";
 
 /// The cells as a table, one row each.
 pub fn protocol_table() -> Table<'static, ProtocolCell> {
-    type Row = ProtocolCell;
     let doc = "One row for each case of a test protocol and driver: the worst result of the nominal test, and the worst that each search found within its layers.";
-    Table::new(PROTOCOL, doc)
-        .column(RUN_ID.of(|row: &Row| row.run_id.clone()))
-        .column(TOWN.of(|row: &Row| row.town.clone()))
-        .column(DRIVER.of(|row: &Row| row.policy.clone()))
-        .column(Column::<String>::new("test", "", "name of the spawn rule").of(|row: &Row| row.test.clone()))
-        .column(
-            Column::<String>::new("method", "", "name of the search within the layers; empty for the nominal test")
-                .of(|row: &Row| row.falsifier.clone().unwrap_or_default()),
-        )
-        .column(
-            Column::<f64>::new("test_speed_mps", "m/s", "speed that the driver is to hold").of(|row: &Row| row.test_speed),
-        )
-        .column(
-            Column::<f64>::new("overlap", "", "share of the car's width that meets the target's impact point")
-                .of(|row: &Row| row.overlap),
-        )
-        .column(
-            Column::<f64>::new("driven_speed_mps", "m/s", "speed at the start; empty for searches")
-                .of(|row: &Row| row.driven_speed),
-        )
-        .column(Column::<u32>::new("tested", "", "number of different episodes, or of searches; 0 for a case that was not run, or that a car passes that never brakes").of(|row: &Row| row.episodes))
-        .column(Column::<u32>::new("not_passed", "", "how many of these the protocol does not pass").of(|row: &Row| row.not_passed))
-        .column(
-            Column::<f64>::new(
-                "not_passed_at_most",
-                "",
-                "Clopper and Pearson's one-sided 95 % upper bound of their share; missing for searches, which choose what they run, and for one episode",
-            )
-            .of(|row: &Row| row.not_passed_at_most()),
-        )
-        .column(
-            Column::<f64>::new(
-                "worst_impact_speed_mps",
-                "m/s",
-                "greatest impact speed, along the path without the target's own speed; 0 without a collision",
-            )
-            .of(|row: &Row| row.impact_speed),
-        )
-        .column(
-            Column::<String>::new("colour", "", "Euro NCAP's colour of that speed; empty for other protocols")
-                .of(|row: &Row| row.colour().map_or("", Colour::name).to_string()),
-        )
-        .column(
-            Column::<String>::new(
-                "worst_failure",
-                "",
-                "name of the worst collision, for `falsify replay`; empty without one",
-            )
-            .of(|row: &Row| row.worst.clone().unwrap_or_default()),
-        )
-        .column(
-            Column::<bool>::new("passes", "", "whether the protocol passes it; for Euro NCAP, whether it has points; missing if the car did not hold the test speed")
-                .of(|row: &Row| row.passes().filter(|_| row.is_tested())),
-        )
+    Table::new(PROTOCOL, doc).columns(entries! { row: &ProtocolCell;
+        RUN_ID = row.run_id.clone();
+        TOWN = row.town.clone();
+        DRIVER = row.policy.clone();
+        /// name of the spawn rule
+        test: String = row.test.clone();
+        /// name of the search within the layers; empty for the nominal test
+        method: String = row.falsifier.clone().unwrap_or_default();
+        /// speed that the driver is to hold
+        test_speed_mps: f64 ["m/s"] = row.test_speed;
+        /// share of the car's width that meets the target's impact point
+        overlap: f64 = row.overlap;
+        /// speed at the start; empty for searches
+        driven_speed_mps: f64 ["m/s"] = row.driven_speed;
+        /// number of different episodes, or of searches; 0 for a case that was not run, or that a car passes that never brakes
+        tested: u32 = row.episodes;
+        /// how many of these the protocol does not pass
+        not_passed: u32 = row.not_passed;
+        /// Clopper and Pearson's one-sided 95 % upper bound of their share; missing for searches, which choose what they run, and for one episode
+        not_passed_at_most: f64 = row.not_passed_at_most();
+        /// greatest impact speed, along the path without the target's own speed; 0 without a collision
+        worst_impact_speed_mps: f64 ["m/s"] = row.impact_speed;
+        /// Euro NCAP's colour of that speed; empty for other protocols
+        colour: String = row.colour().map_or("", Colour::name).to_string();
+        /// name of the worst collision, for `falsify replay`; empty without one
+        worst_failure: String = row.worst.clone().unwrap_or_default();
+        /// whether the protocol passes it; for Euro NCAP, whether it has points; missing if the car did not hold the test speed
+        passes: bool = row.passes().filter(|_| row.is_tested());
+    })
 }
 
 #[cfg(test)]

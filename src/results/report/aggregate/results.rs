@@ -2,7 +2,7 @@ use polars::prelude::DataFrame;
 
 use crate::failure::Failure;
 use crate::record::columns::{DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, WORLD};
-use crate::record::{Column, Entry, Interval, Table};
+use crate::record::{Column, Entry, Table, interval};
 use crate::report::Findings;
 use crate::report::infer::BEATS_UNTRAINED;
 use crate::tables::Cell;
@@ -44,8 +44,8 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
         [(&COLLISION_RATE, collision), (&FAULT_RATE, "faults of the driver, of all episodes, as above")]
     {
         let mean: Entry<'a, Row<'a>> = Column::<f64>::new(metric.name, "", doc).of(|row: &Row<'a>| row.0.value(metric));
-        let ends = Interval::new(metric.name, "", doc).of(|row: &Row<'a>| row.0.rate(metric).interval);
-        table = table.column(mean).columns(ends);
+        let ends = move |row: &Row<'a>| row.0.rate(metric).interval;
+        table = table.column(mean).columns(interval(metric.name, metric.name, doc, ends));
     }
     table.column(
         Column::<String>::new("worst", "", "name of the failure that counts most against the driver, `RUN:EPISODE`")

@@ -4,7 +4,7 @@ use polars::prelude::DataFrame;
 
 use crate::jobs::SearchResult;
 use crate::record::columns::{DRIVER, REWARD, RUN_ID, TOWN};
-use crate::record::{Column, Entry, Table, TableReference, in_block};
+use crate::record::{Column, Entry, Table, TableReference, entries, in_block};
 use crate::tables::metrics::RUNS;
 use crate::tables::{
     self, BUDGET, FAILED_STARTS, FAILURE_COUNT, FALSIFIED, FAULT_COUNT, FAULT_START_RATE, FAULT_STARTS, FIRST_FAILURE,
@@ -46,69 +46,39 @@ pub fn search_table() -> Table<'static, SearchResult> {
     )
     .column(RUN_ID.of(|row: &Row| row.id.to_string()))
     .columns(search_key(|row: &Row| &row.key))
-    .column(SEARCH_RUN.of(|row: &Row| u64::from(row.key.run)))
-    .column(BUDGET.of(|row: &Row| row.budget))
-    .count(
-        USED,
-        "simulator ticks that it used; less than a command is left over, more by `ppo` with several environments, \
-         which stops when the first has used its share",
-        |row| row.spent.ticks,
-    )
-    .count(
-        SEARCH_EPISODES,
-        "episodes that came to an end and count, without one that the budget cut off",
-        |row| row.spent.episodes,
-    )
-    .count(
-        "left_out_episodes",
-        "further episodes that are left out; see `left_out` of `episodes`",
-        |row| row.spent.left_out,
-    )
-    .column(STARTS.of(|row: &Row| row.spent.starts.count()))
-    .column(TRIED.of(|row: &Row| row.spent.starts.to_string()))
-    .column(FIRST_START.of(|row: &Row| row.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
-    .count(
-        FAILURE_COUNT,
-        "episodes that ended in a collision, or that violate the goal of the search",
-        |row| row.spent.failures.len() as u64,
-    )
-    .count(
-        FAILED_STARTS,
-        "starts from which a failure was found; the fair count between searches that leave a start after a failure \
-         (`cem`, `cma_es`, `mcts`) and those that walk once from each",
-        |row| count_starts(row.spent.failures.iter()),
-    )
-    .number(
-        FIRST_FAILURE,
-        "ticks used when the first was found, its own included; missing if none was found",
-        |row| row.spent.failures.first().map(|failure| failure.ticks as f64),
-    )
-    .count(
-        FIRST_SIMULATIONS,
-        "simulations up to the first failure, its own included; finished episodes, also those that are left out; \
-         missing if none was found",
-        |row| row.spent.failures.first().map(|failure| failure.simulations),
-    )
-    .count(
-        FAULT_COUNT,
-        "failures that count against the driver; missing where the goal has no verdict, as \
-         all figures of faults",
-        |row| row.is_judged().then(|| faults(row).count() as u64),
-    )
-    .count(FAULT_STARTS, "starts from which a fault was found", |row| row.is_judged().then(|| count_starts(faults(row))))
-    .number(
-        INJURY,
-        "sum of the severe-injury risks of the faults, for 1,000 of `episodes`; what a careful human would have \
-         spared",
-        injury,
-    )
-    .count(
-        "evaluated_episodes",
-        "fresh episodes of the pedestrian that the search ended with, outside the budget; their starts are those \
-         of `evaluate`",
-        |row| evaluated(row, None),
-    )
-    .count("evaluated_faults", "faults of these", |row| row.is_judged().then(|| evaluated(row, Some(Blame::Fault))))
+    .columns(entries! { row: &SearchResult;
+        SEARCH_RUN = u64::from(row.key.run);
+        BUDGET = row.budget;
+        /// simulator ticks that it used; less than a command is left over, more by `ppo` with several environments, which stops when the first has used its
+        /// share
+        named(USED): u64 = row.spent.ticks;
+        /// episodes that came to an end and count, without one that the budget cut off
+        named(SEARCH_EPISODES): u64 = row.spent.episodes;
+        /// further episodes that are left out; see `left_out` of `episodes`
+        left_out_episodes: u64 = row.spent.left_out;
+        STARTS = row.spent.starts.count();
+        TRIED = row.spent.starts.to_string();
+        FIRST_START = row.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"));
+        /// episodes that ended in a collision, or that violate the goal of the search
+        named(FAILURE_COUNT): u64 = row.spent.failures.len() as u64;
+        /// starts from which a failure was found; the fair count between searches that leave a start after a failure (`cem`, `cma_es`, `mcts`) and those that
+        /// walk once from each
+        named(FAILED_STARTS): u64 = count_starts(row.spent.failures.iter());
+        /// ticks used when the first was found, its own included; missing if none was found
+        named(FIRST_FAILURE): f64 = row.spent.failures.first().map(|failure| failure.ticks as f64);
+        /// simulations up to the first failure, its own included; finished episodes, also those that are left out; missing if none was found
+        named(FIRST_SIMULATIONS): u64 = row.spent.failures.first().map(|failure| failure.simulations);
+        /// failures that count against the driver; missing where the goal has no verdict, as all figures of faults
+        named(FAULT_COUNT): u64 = row.is_judged().then(|| faults(row).count() as u64);
+        /// starts from which a fault was found
+        named(FAULT_STARTS): u64 = row.is_judged().then(|| count_starts(faults(row)));
+        /// sum of the severe-injury risks of the faults, for 1,000 of `episodes`; what a careful human would have spared
+        named(INJURY): f64 = injury(row);
+        /// fresh episodes of the pedestrian that the search ended with, outside the budget; their starts are those of `evaluate`
+        evaluated_episodes: u64 = evaluated(row, None);
+        /// faults of these
+        evaluated_faults: u64 = row.is_judged().then(|| evaluated(row, Some(Blame::Fault)));
+    })
 }
 
 /// What the tables made of searches need besides.
@@ -174,9 +144,9 @@ pub fn search_cells(results: &[SearchResult], searches: &DataFrame) -> Rows<Sear
 /// The documentation of the table of cells of searches.
 pub fn search_cell_reference() -> TableReference {
     let keys = Table::new("search_cells", "One row for each search, town and driver, over all runs.")
-        .columns(search_key(|key: &SearchKey| key))
-        .count("runs", "number of runs", |_| 0);
+        .columns(search_key(|key: &SearchKey| key));
     let mut all = keys.reference();
+    all.columns.push(Column::<u64>::new("runs", "", "number of runs").reference());
     all.columns.extend(tables::search_cell_columns());
     all
 }
@@ -212,7 +182,6 @@ impl Row<SearchKey> {
 /// Two searches, or two drivers, of one town, compared by a figure, with the number of the pair.
 pub type SearchPair = Row<u64>;
 
-/// The pairs of searches.
 pub(crate) fn search_pairs(searches: &DataFrame) -> Rows<u64> {
     let number = |table: &DataFrame, row| Ok(PAIR.value(table, row)?.unwrap_or_default());
     let pairs = tables::search_pairs(searches).and_then(|pairs| Rows::new(pairs, number));

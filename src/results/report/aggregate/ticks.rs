@@ -3,7 +3,7 @@ use polars::prelude::DataFrame;
 use crate::record::columns::{
     DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, RUN_ID,
 };
-use crate::record::{Column, Table};
+use crate::record::{Column, Table, entries};
 use compile::RunId;
 use episode::{ActionSpec, Frame, ObservationSpec, Pair, Scenario, Trace};
 
@@ -59,45 +59,43 @@ pub fn ticks(run: RunId, episode: u32, scenario: &Scenario, trace: &Trace) -> Da
 
 /// The columns of [`ticks`].
 pub fn tick_table<'a>() -> Table<'a, Tick<'a>> {
-    let middle = "middle of the car's box, in the world frame";
-    let person = "middle of the pedestrian, in the world frame";
     Table::new("ticks", "One row for each tick of an episode, the start first. `falsify replay NAME --ticks FILE` writes it; a report does not have it.")
-        .column(RUN_ID.of(|row: &Tick<'_>| row.run.to_string()))
-        .column(EPISODE.of(|row: &Tick<'_>| row.episode))
-        .column(Column::<u32>::new("tick", "", "number of the tick, 0 at the start").of(|row: &Tick<'_>| row.number))
-        .measure("time_s", "s", "end of the tick", |row| f64::from(row.number) * row.pair.dt())
-        .column(EGO_X.of(|row: &Tick<'_>| row.frame.ego.pose.x).meaning(middle))
-        .column(EGO_Y.of(|row: &Tick<'_>| row.frame.ego.pose.y).meaning(middle))
-        .column(EGO_YAW.of(|row: &Tick<'_>| row.frame.ego.pose.yaw.to_degrees()).meaning("heading of the car"))
-        .column(EGO_SPEED.of(|row: &Tick<'_>| row.frame.ego.speed).meaning("speed of the car"))
-        .column(PEDESTRIAN_X.of(|row: &Tick<'_>| row.frame.pedestrian.pose.x).meaning(person))
-        .column(PEDESTRIAN_Y.of(|row: &Tick<'_>| row.frame.pedestrian.pose.y).meaning(person))
-        .column(
-            PEDESTRIAN_YAW
-                .of(|row: &Tick<'_>| row.frame.pedestrian.pose.yaw.to_degrees())
-                .meaning("heading of the pedestrian"),
-        )
-        .measure("pedestrian_speed_mps", "m/s", "speed of the pedestrian", |row| row.frame.pedestrian.speed())
-        .column(
-            DRIVING_MODE.of(|row: &Tick<'_>| row.frame.mode.name()).meaning("what the driver did in the tick that ended then"),
-        )
-        .number("throttle", "throttle in that tick, 0 to 1", |row| row.frame.control.throttle)
-        .number("brake", "brake in that tick, 0 to 1", |row| row.frame.control.brake)
-        .number("steer", "steering in that tick, −1 to 1, positive to the left", |row| row.frame.control.steer)
-        .column(
-            Column::<bool>::new(
-                "in_sight",
-                "",
-                "whether any of the pedestrian could be seen from the driver's eye, 1.9 m behind the bumper",
-            )
-            .of(|row: &Tick<'_>| row.pair.in_sight(&row.frame)),
-        )
-        .measure(
-            "gap_m",
-            "m",
-            "distance from the pedestrian's disc to the car's box; 0 in a touch",
-            |row| row.pair.gap(&row.frame),
-        )
+        .columns(entries! { row: &Tick<'_>;
+            RUN_ID = row.run.to_string();
+            EPISODE = row.episode;
+            /// number of the tick, 0 at the start
+            tick: u32 = row.number;
+            /// end of the tick
+            time_s: f64 ["s"] = f64::from(row.number) * row.pair.dt();
+            /// middle of the car's box, in the world frame
+            EGO_X = row.frame.ego.pose.x;
+            /// middle of the car's box, in the world frame
+            EGO_Y = row.frame.ego.pose.y;
+            /// heading of the car
+            EGO_YAW = row.frame.ego.pose.yaw.to_degrees();
+            /// speed of the car
+            EGO_SPEED = row.frame.ego.speed;
+            /// middle of the pedestrian, in the world frame
+            PEDESTRIAN_X = row.frame.pedestrian.pose.x;
+            /// middle of the pedestrian, in the world frame
+            PEDESTRIAN_Y = row.frame.pedestrian.pose.y;
+            /// heading of the pedestrian
+            PEDESTRIAN_YAW = row.frame.pedestrian.pose.yaw.to_degrees();
+            /// speed of the pedestrian
+            pedestrian_speed_mps: f64 ["m/s"] = row.frame.pedestrian.speed();
+            /// what the driver did in the tick that ended then
+            DRIVING_MODE = row.frame.mode.name();
+            /// throttle in that tick, 0 to 1
+            throttle: f64 = row.frame.control.throttle;
+            /// brake in that tick, 0 to 1
+            brake: f64 = row.frame.control.brake;
+            /// steering in that tick, −1 to 1, positive to the left
+            steer: f64 = row.frame.control.steer;
+            /// whether any of the pedestrian could be seen from the driver's eye, 1.9 m behind the bumper
+            in_sight: bool = row.pair.in_sight(&row.frame);
+            /// distance from the pedestrian's disc to the car's box; 0 in a touch
+            gap_m: f64 ["m"] = row.pair.gap(&row.frame);
+        })
         .columns(STATE.map(|(name, meaning, number)| {
             Column::<f64>::new(name, "as the state", meaning).of(move |row: &Tick<'_>| row.state().map(|state| state[number]))
         }))

@@ -3,7 +3,6 @@ use crate::report::Manifest;
 /// A difference between two reports besides their drivers, which a reader of the comparison must know.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Caveat {
-    /// The versions of the program, or the sources that they were built from, differ.
     #[error(
         "made by different programs, {} and {}: a difference may be the program's",
         made_by(before),
@@ -15,39 +14,19 @@ pub enum Caveat {
         /// The same of the second.
         after: (String, String),
     },
-    /// Both sides are the same runs.
     #[error("both sides are the same runs of one report, or of a copy, which show nothing")]
     Same,
-    /// The seeds differ.
     #[error("the seeds are {before} and {after}")]
-    Seed {
-        /// The seed of the first report.
-        before: u64,
-        /// The seed of the second.
-        after: u64,
-    },
-    /// The settings differ.
+    Seed { before: u64, after: u64 },
     #[error("settings: {} before, {} after", list(before), list(after))]
-    Settings {
-        /// The settings of the first report.
-        before: Vec<String>,
-        /// The settings of the second.
-        after: Vec<String>,
-    },
-    /// A scenario file, a map or a network differs.
+    Settings { before: Vec<String>, after: Vec<String> },
     #[error("`{path}` differs")]
     File {
         /// Its path in the second report.
         path: String,
     },
-    /// A report is not complete, or a trial of the machinery.
     #[error("the report `{campaign}` {}", if *smoke { "is a smoke run" } else { "is not complete" })]
-    Partial {
-        campaign: String,
-        /// Whether it is a smoke run.
-        smoke: bool,
-    },
-    /// Trained pedestrians differ, since each was trained in its own report.
+    Partial { campaign: String, smoke: bool },
     #[error(
         "trained pedestrians are those of each report: {trainings} of them were trained from other files or settings"
     )]
@@ -55,34 +34,22 @@ pub enum Caveat {
         /// The number of trainings of the second report that the first does not have.
         trainings: usize,
     },
-    /// Drivers that only one side has: nothing is known of what changed.
     #[error("only one side has {}, which is not compared: give it the same name on both sides", list(drivers))]
     LoneDrivers { drivers: Vec<String> },
-    /// Runs without a partner.
     #[error("{before} runs of the first and {after} of the second have no partner")]
-    Unmatched {
-        /// Their number in the first report.
-        before: usize,
-        /// Their number in the second.
-        after: usize,
-    },
-    /// Episodes of matched runs without an equal start.
+    Unmatched { before: usize, after: usize },
     #[error("{episodes} of {all} episodes have no equal start on the other side, and are left out")]
     Unpaired {
-        /// Their number in both reports.
         episodes: u64,
         /// All episodes of the matched runs of both.
         all: u64,
     },
-    /// Episodes of matched runs that ended in an error.
     #[error("episodes in error, which are left out, and of which nothing is known: {episodes}; the first is {first}")]
     Errors {
-        /// Their number in both reports.
         episodes: u64,
         /// The name of the first, and why it failed.
         first: String,
     },
-    /// Searches with other starts.
     #[error(
         "{searches} searches have other starts on the other side, or come from an earlier version, and are left out"
     )]

@@ -21,43 +21,26 @@ pub enum Incomparable {
     /// A table cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A report has no such driver or simulator.
     #[error("`{report}` has no evaluated episodes {of} `{name}`; it has {}", if known.is_empty() { "none at all".into() } else { known.join(", ") }, report = report.display())]
     NoSuch {
-        /// The folder of the report.
         report: PathBuf,
         /// `of a driver`, or `in a simulator`.
         of: &'static str,
         name: String,
-        /// Those that it has.
         known: Vec<String>,
     },
-    /// A report has searches alone, and none that belongs to one of the other.
     #[error(
         "nothing can be compared: `{}` has no evaluated episodes, and none of its searches has the method, town, budget, run and seed of one of the other report",
         report.display()
     )]
-    NoEpisode {
-        /// The folder of the report.
-        report: PathBuf,
-    },
-    /// No run of one side is a run of the other.
+    NoEpisode { report: PathBuf },
     #[error(
         "nothing can be compared: no run of `{}` has the place, pedestrian and driver of a run of `{}`\n  the first has, for example: {}\n  the second: {}",
         folders.0.display(), folders.1.display(), examples.0, examples.1
     )]
-    NoRun {
-        /// The folders of the reports.
-        folders: (PathBuf, PathBuf),
-        /// A run of each.
-        examples: (String, String),
-    },
-    /// Matched runs have no start in common.
+    NoRun { folders: (PathBuf, PathBuf), examples: (String, String) },
     #[error("nothing can be compared: no episode of one side has the start of an episode of the other{}", because.as_ref().map_or(String::new(), |reason| format!(", since {reason}")))]
-    NoStart {
-        /// The likely reason.
-        because: Option<String>,
-    },
+    NoStart { because: Option<String> },
 }
 
 /// What has the same key on both sides: runs with the same place, controller and number.

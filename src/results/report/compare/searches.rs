@@ -7,7 +7,7 @@ use super::paired_rate::PairedRate;
 use super::table::{MATCHED_RUNS, OTHER_DRIVER};
 use crate::failure::Failure;
 use crate::record::columns::{DRIVER, TOWN};
-use crate::record::{Column, Entry, Interval, Role, Table};
+use crate::record::{Entry, Role, Table, columns, entries, interval};
 use crate::report::aggregate::{BUDGET, METHOD, SEARCH_BLOCK};
 use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
@@ -142,63 +142,52 @@ fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u
     worst
 }
 
-/// The number of starts that both sides tried.
-pub const TRIED_STARTS: Column<u64> = Column::new("tried_starts", "", "starts that both sides tried, over all runs");
+columns! {
+    /// starts that both sides tried, over all runs
+    pub TRIED_STARTS: Column<u64> = "tried_starts";
+    /// probability of such a difference by chance (McNemar's exact test for one run, Student's paired test over several), adjusted by Holm's method for all rows,
+    /// so that in 95 % of comparisons no finding below 0.05 is false. Rows without a start that differs count in no correction, and have 1
+    P_HOLM: Column<f64> = "found_p_holm";
+}
 /// The figure that is tested.
 const DIFFERENCE: &str = "found_difference";
 
 /// The searches of a comparison as a table, one row each.
 pub fn compared_search_table() -> Table<'static, ComparedSearch> {
-    type Row = ComparedSearch;
-    let number = Column::<f64>::new;
     Table::new("compared_searches", "One row for each search, town and driver that both sides have.")
-        .column(METHOD.of(|row: &Row| row.falsifier.clone()))
-        .column(TOWN.of(|row: &Row| row.town.clone()))
-        .column(DRIVER.of(|row: &Row| row.policies[0].clone()))
-        .column(OTHER_DRIVER.of(|row: &Row| row.policies[1].clone()))
-        .column(SEARCH_BLOCK.of(|row: &Row| row.block))
-        .column(BUDGET.of(|row: &Row| row.budget))
-        .column(MATCHED_RUNS.of(|row: &Row| row.runs))
-        .column(TRIED_STARTS.of(|row: &Row| row.starts))
-        .column(
-            number("found_before", "", "share of these from which the first side found a fault, mean over runs")
-                .with_role(Role::Share)
-                .of(|row: &Row| row.found.values[0]),
-        )
-        .column(number("found_after", "", "the same of the second side").with_role(Role::Share).of(|row: &Row| row.found.values[1]))
-        .column(number(DIFFERENCE, "", "second less first").with_role(Role::ShareDifference).of(|row: &Row| row.found.difference()))
-        .columns(
-            Interval::new(
-                DIFFERENCE,
-                "",
-                "in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): Student's over runs, about further runs in this town; Bonett \
-                 and Price's for a single run, Clopper and Pearson's where no start differs; missing for two and three runs",
-            )
-            .of(|row: &Row| row.found.interval),
-        )
-        .column(
-            number(
-                "found_p_holm",
-                "",
-                "probability of such a difference by chance (McNemar's exact test for one run, Student's paired test over several), adjusted by Holm's \
-                 method for all rows, so that in 95 % of comparisons no finding below 0.05 is false. Rows without a start that differs count in no correction, and have 1",
-            )
-            .of(|row: &Row| row.found.holm)
-            .of_figure(DIFFERENCE, Role::AdjustedP),
-        )
+        .columns(entries! { row: &ComparedSearch;
+            METHOD = row.falsifier.clone();
+            TOWN = row.town.clone();
+            DRIVER = row.policies[0].clone();
+            OTHER_DRIVER = row.policies[1].clone();
+            SEARCH_BLOCK = row.block;
+            BUDGET = row.budget;
+            MATCHED_RUNS = row.runs;
+            TRIED_STARTS = row.starts;
+            /// share of these from which the first side found a fault, mean over runs
+            found_before: f64 as Share = row.found.values[0];
+            /// the same of the second side
+            found_after: f64 as Share = row.found.values[1];
+            /// second less first
+            named(DIFFERENCE): f64 as ShareDifference = row.found.difference();
+        })
+        .columns(interval(
+            DIFFERENCE,
+            DIFFERENCE,
+            "in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): Student's over runs, about further runs in this town; Bonett \
+             and Price's for a single run, Clopper and Pearson's where no start differs; missing for two and three runs",
+            |row: &ComparedSearch| row.found.interval,
+        ))
+        .columns([P_HOLM.of(|row: &ComparedSearch| row.found.holm).of_figure(DIFFERENCE, Role::AdjustedP)])
         .columns(changed("failed_starts", "failure", |row| row.collisions))
         .columns(changed("preventable_starts", "preventable failure", |row| row.preventable))
         .columns(changed("fault_starts", "fault", |row| row.found.changed))
-        .count(
-            "failed_starts_worse",
-            "tried starts with a found failure on both sides, of which the worst is worse on the second (as `collisions_worse`)",
-            |row| FailureChange::of_word(&row.changes, "worse").len() as u64,
-        )
-        .count(
-            "failed_starts_better",
-            "the same on the first side, and not on the second",
-            |row| FailureChange::of_word(&row.changes, "better").len() as u64,
-        )
+        .columns(entries! { row: &ComparedSearch;
+            /// tried starts with a found failure on both sides, of which the worst is worse on the second (as `collisions_worse`)
+            failed_starts_worse: u64 = FailureChange::of_word(&row.changes, "worse").len() as u64;
+            /// the same on the first side, and not on the second
+            failed_starts_better: u64 = FailureChange::of_word(&row.changes, "better").len() as u64;
+        })
 }
 
 /// Three columns: the starts with such a failure on the second side only, on the first side only, and on both.

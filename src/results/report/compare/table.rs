@@ -3,71 +3,51 @@ use polars::prelude::DataFrame;
 use super::comparison::{ComparedCell, ReportComparison};
 use super::paired_rate::{CountedEvent, PairedRate};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
-use crate::record::{Column, Family, Role, Table, TableReference};
+use crate::record::{Role, Table, TableReference, columns};
 use crate::tables::Changed;
 
-const BEFORE: Family<f64> = Family::new(
-    "_before",
-    "",
-    "rate of the first side over all common starts (also of a requirement, which need not apply there), mean over runs; `worse_rate` is of collisions of both \
-     sides that are worse on this side",
-)
-.with_role(Role::Share);
-const AFTER: Family<f64> = Family::new("_after", "", "the same of the second side").with_role(Role::Share);
-const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less first").with_role(Role::ShareDifference);
-const LOW: Family<f64> = Family::new(
-    "_low",
-    "",
-    "low end of an interval of the difference: in 95 % of comparisons those of this rate hold the truth in all rows of single pedestrians, and in all rows of \
-     all untrained pedestrians (Bonferroni; Bonett and Price's for one run and for all untrained pedestrians, else Student's; missing for two and three runs; 0 for an unchanged \
-     driver)",
-)
-.with_role(Role::LowerBound);
-const HIGH: Family<f64> = Family::new("_high", "", "high end of the same").with_role(Role::UpperBound);
-const HOLM: Family<f64> = Family::new(
-    "_p_holm",
-    "",
-    "probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings, the exact randomisation test over starts for all \
-     pedestrians), adjusted by Holm's method for this rate in all rows of single pedestrians, or in all rows of all untrained pedestrians, so that in 95 % of comparisons \
-     no finding below 0.05 of either is false. Rows without a pair that differs in it count in no correction, and have 1",
-)
-.with_role(Role::AdjustedP);
-const FIXED: Family<u64> = Family::new(
-    "_fixed",
-    "",
-    "common starts with such a failure on the first side only; of all untrained pedestrians, with more of them on that side",
-);
-const NEW: Family<u64> = Family::new("_new", "", "the same of the second side");
-const SAME: Family<u64> = Family::new(
-    "_same",
-    "",
-    "common starts with such a failure on both sides; of all untrained pedestrians, with as many",
-);
+columns! {
+    /// rate of the first side over all common starts (also of a requirement, which need not apply there), mean over runs; `worse_rate` is of collisions of
+    /// both sides that are worse on this side
+    BEFORE: Family<f64> = "_before" as Share;
+    /// the same of the second side
+    AFTER: Family<f64> = "_after" as Share;
+    /// second less first
+    DIFFERENCE: Family<f64> = "_difference" as ShareDifference;
+    /// low end of an interval of the difference: in 95 % of comparisons those of this rate hold the truth in all rows of single pedestrians, and in all rows
+    /// of all untrained pedestrians (Bonferroni; Bonett and Price's for one run and for all untrained pedestrians, else Student's; missing for two and three
+    /// runs; 0 for an unchanged driver)
+    LOW: Family<f64> = "_low" as LowerBound;
+    /// high end of the same
+    HIGH: Family<f64> = "_high" as UpperBound;
+    /// probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings, the exact randomisation test over
+    /// starts for all pedestrians), adjusted by Holm's method for this rate in all rows of single pedestrians, or in all rows of all untrained pedestrians,
+    /// so that in 95 % of comparisons no finding below 0.05 of either is false. Rows without a pair that differs in it count in no correction, and have 1
+    HOLM: Family<f64> = "_p_holm" as AdjustedP;
+    /// common starts with such a failure on the first side only; of all untrained pedestrians, with more of them on that side
+    FIXED: Family<u64> = "_fixed";
+    /// the same of the second side
+    NEW: Family<u64> = "_new";
+    /// common starts with such a failure on both sides; of all untrained pedestrians, with as many
+    SAME: Family<u64> = "_same";
 
-const WORSE: Family<u64> = Family::new(
-    "_worse",
-    "",
-    "common starts with a collision on both sides that is worse on the second: at least 1 m/s faster, a fault only there, or faster and therefore no fault any \
-     more; of all untrained pedestrians, with as many of them as of better ones or more",
-);
-const BETTER: Family<u64> = Family::new("_better", "", "the same on the first side, and not on the second");
+    /// common starts with a collision on both sides that is worse on the second: at least 1 m/s faster, a fault only there, or faster and therefore no fault
+    /// any more; of all untrained pedestrians, with as many of them as of better ones or more
+    WORSE: Family<u64> = "_worse";
+    /// the same on the first side, and not on the second
+    BETTER: Family<u64> = "_better";
 
-pub const OTHER_DRIVER: Column<String> = Column::new("other_driver", "", "name of the driver on the second side");
-pub const MATCHED_RUNS: Column<u64> = Column::new("runs", "", "matched runs");
+    /// name of the driver on the second side
+    pub OTHER_DRIVER: Column<String> = "other_driver";
+    /// matched runs
+    pub MATCHED_RUNS: Column<u64> = "runs";
 
-/// The number of starts that both sides have.
-pub const COMMON_STARTS: Column<u64> = Column::new(
-    "common_starts",
-    "",
-    "pairs of episodes with equal starts; of all untrained pedestrians the number of different starts",
-);
+    /// pairs of episodes with equal starts; of all untrained pedestrians the number of different starts
+    pub COMMON_STARTS: Column<u64> = "common_starts";
 
-/// The number of pairs of episodes that tell anything of a change.
-pub const DIFFERING: Column<u64> = Column::new(
-    "differing_episodes",
-    "",
-    "pairs of episodes with equal starts that are not the same byte for byte; 0 of a driver that did not change",
-);
+    /// pairs of episodes with equal starts that are not the same byte for byte; 0 of a driver that did not change
+    pub DIFFERING: Column<u64> = "differing_episodes";
+}
 
 /// The cells of a comparison as a table, one row each.
 pub fn compared_cells(comparison: &ReportComparison) -> DataFrame {

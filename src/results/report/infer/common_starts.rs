@@ -7,7 +7,6 @@ use base::statistics::{ClusteredCount, Sample};
 
 /// All runs with common starts; the runs of a cell are consecutive.
 pub struct CommonStarts {
-    /// The runs.
     pub evaluated: Vec<EvaluatedRun>,
     /// The indices of the runs of each cell.
     pub cells: Vec<Range<usize>>,
@@ -29,7 +28,6 @@ impl CommonStarts {
         &self.evaluated[self.cells[cell].clone()]
     }
 
-    /// A metric of all runs.
     pub fn measure(&self, metric: &'static Metric) -> MetricByRun {
         MetricByRun { metric, runs: self.evaluated.iter().map(|run| run.influence(metric)).collect() }
     }

@@ -25,7 +25,6 @@ static FLAGS: LazyLock<BTreeMap<&str, (u16, &Metric)>> = LazyLock::new(|| {
     all
 });
 
-/// The flag of a count.
 fn flag(count: &Metric) -> u16 {
     FLAGS.get(count.name).map_or(0, |(flag, _)| *flag)
 }

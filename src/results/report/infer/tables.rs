@@ -2,7 +2,7 @@ use polars::prelude::{DataFrame, Expr, IntoLazy, NULL, col, lit, when};
 
 use super::{Comparison, Test};
 use crate::record::columns::{DRIVER, PEDESTRIAN};
-use crate::record::{Column, ColumnReference, Family, Interval, Table, cell_key};
+use crate::record::{Column, ColumnReference, Table, cell_key, columns, interval};
 use crate::tables::{FIGURE, METHOD, OTHER};
 use verdict::Reference;
 
@@ -13,49 +13,32 @@ const OTHER_DRIVER: Column<String> =
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 const DIFFERENCE: Column<f64> =
     Column::new("difference", "", "mean of the figure over the runs of the cell less that of the other cell");
-const DIFFERENCE_INTERVAL: Interval = Interval::new(
-    "difference",
-    "",
-    "its interval, which holds the truth for all rows of its kind in 95 % of campaigns (Bonferroni). Student's with Welch's degrees of freedom; its variance is \
+const DIFFERENCE_INTERVAL: &str = "its interval, which holds the truth for all rows of its kind in 95 % of campaigns (Bonferroni). Student's with Welch's degrees of freedom; its variance is \
      that between the trainings of either cell plus that of the common episodes (at least that of one episode). Exact for one run on each side. \
-     Missing if one side alone is a single training, or has two or three runs",
-);
-const P_HOLM: Column<f64> = Column::new(
-    "p_holm",
-    "",
-    "two-sided p-value, adjusted for all tests of its kind in the table by Holm's method; in 95 % of campaigns no finding of its kind \
-     below 0.05 is false; a kind is all rows that compare pedestrians, or all that compare drivers. Missing without a test: where neither cell has \
-     such a collision, or one has two runs",
-);
+     Missing if one side alone is a single training, or has two or three runs";
+columns! {
+    /// two-sided p-value, adjusted for all tests of its kind in the table by Holm's method; in 95 % of campaigns no finding of its kind below 0.05 is false;
+    /// a kind is all rows that compare pedestrians, or all that compare drivers. Missing without a test: where neither cell has such a collision, or one has
+    /// two runs
+    P_HOLM: Column<f64> = "p_holm";
 
-const REST: Family<f64> = Family::new(
-    "_collision_rate",
-    "",
-    "collisions that the reference driver does not avoid, of all episodes; what remains if it brakes from where the danger began. Episodes without a collision \
-     are not run again, so it never is above `collision_rate`",
-);
+    /// collisions that the reference driver does not avoid, of all episodes; what remains if it brakes from where the danger began. Episodes without a
+    /// collision are not run again, so it never is above `collision_rate`
+    REST: Family<f64> = "_collision_rate";
 
-const NEEDLESS: Family<f64> = Family::new(
-    "_false_brake_rate",
-    "",
-    "episodes without a collision in which the reference driver would have braked needlessly, of all episodes; in an approach in which a car that keeps \
-     its pace does not touch the pedestrian either",
-);
+    /// episodes without a collision in which the reference driver would have braked needlessly, of all episodes; in an approach in which a car that keeps its
+    /// pace does not touch the pedestrian either
+    NEEDLESS: Family<f64> = "_false_brake_rate";
 
-pub const IMPACT_SPEED_P90: Column<f64> = Column::new(
-    "impact_speed_mps_p90",
-    "m/s",
-    "90th percentile over all collisions; of each run the first 100,000 episodes",
-);
+    /// 90th percentile over all collisions; of each run the first 100,000 episodes
+    pub IMPACT_SPEED_P90: Column<f64> = "impact_speed_mps_p90" ["m/s"];
 
-pub const BEATS_UNTRAINED: Column<String> = Column::new(
-    "beats_untrained",
-    "",
-    "whether every training of the cell gets more reward an episode than an untrained pedestrian, and none less; `no` where a training is significantly below one \
-     with the same reward and starts, such as `intercept`, however much better than `random` it is; `yes` where each is significantly above one and none is below; else `unclear`. About \
-     these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for \
-     untrained pedestrians",
-);
+    /// whether every training of the cell gets more reward an episode than an untrained pedestrian, and none less; `no` where a training is significantly
+    /// below one with the same reward and starts, such as `intercept`, however much better than `random` it is; `yes` where each is significantly above one
+    /// and none is below; else `unclear`. About these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the
+    /// campaign. Missing for untrained pedestrians
+    pub BEATS_UNTRAINED: Column<String> = "beats_untrained";
+}
 /// The metrics of a reference driver: the rate of the collisions that it does not avoid, and that of needless braking.
 pub fn reference_rates(reference: Reference) -> [ColumnReference; 2] {
     [REST, NEEDLESS].map(|rate| rate.reference(reference.name()))
@@ -63,14 +46,13 @@ pub fn reference_rates(reference: Reference) -> [ColumnReference; 2] {
 
 /// The stem of the files of the table of comparisons.
 pub const COMPARISONS: &str = "comparisons";
-const PAIRED_EPISODES: Column<u64> =
-    Column::new("paired_episodes", "", "episodes of the shortest of these runs; null for searches");
-const TEST: Column<String> = Column::new(
-    "test",
-    "",
-    "`student`, `mcnemar` or empty; `student` is about further trainings, of searches paired, `mcnemar` exact with one run on each side and about these two and further episodes, \
-     on the first 100,000",
-);
+columns! {
+    /// episodes of the shortest of these runs; null for searches
+    PAIRED_EPISODES: Column<u64> = "paired_episodes";
+    /// `student`, `mcnemar` or empty; `student` is about further trainings, of searches paired, `mcnemar` exact with one run on each side and about these two
+    /// and further episodes, on the first 100,000
+    TEST: Column<String> = "test";
+}
 
 /// The columns of [`comparisons`].
 pub fn comparison_table() -> Table<'static, Comparison> {
@@ -87,7 +69,7 @@ pub fn comparison_table() -> Table<'static, Comparison> {
     .column(FIGURE.of(|row: &Row| row.figure.name))
     .column(PAIRED_EPISODES.of(|row: &Row| row.episodes))
     .column(DIFFERENCE.of(|row: &Row| row.difference))
-    .columns(DIFFERENCE_INTERVAL.of(|row: &Row| row.interval))
+    .columns(interval(DIFFERENCE.name, DIFFERENCE.name, DIFFERENCE_INTERVAL, |row: &Row| row.interval))
     .column(TEST.of(|row: &Row| row.test.name()))
     .column(P_HOLM.of(|row: &Row| row.holm))
 }

@@ -31,51 +31,24 @@ pub struct Gate {
 /// Why a gate is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum GateError {
-    /// It is not of the form `COLUMN < NUMBER`.
     #[error(
         "`{text}` is not a condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over pedestrians COLUMN` takes the greatest of a place"
     )]
     Form { text: String },
-    /// Conditions are joined by something else than `and`.
     #[error("`{text}`: `and` joins conditions, and nothing else does; for `or` write several gates")]
     Joined { text: String },
-    /// There is no such metric.
     #[error("nothing that a gate can judge is called `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists the metrics".to_string(), |near| format!("did you mean `{near}`?")))]
-    Column {
-        /// The name that was written.
-        name: String,
-        /// A suggestion for it.
-        nearest: Option<String>,
-    },
-    /// No row of the campaigns is about what it says, so it could never fail.
+    Column { name: String, nearest: Option<String> },
     #[error("`{text}` matches no row: {reason}")]
-    AboutNothing {
-        text: String,
-        /// Why.
-        reason: String,
-    },
-    /// Several columns are taken over pedestrians.
+    AboutNothing { text: String, reason: String },
     #[error(
         "`{text}` has `over pedestrians` more than once: which pedestrian would the others be about? Write several gates"
     )]
     Extremes { text: String },
-    /// A number is compared with a word, or words with an order.
     #[error("`{name}` holds {holds}: {advice}")]
-    Kind {
-        /// The column.
-        name: String,
-        /// The kind of its values.
-        holds: &'static str,
-        /// The valid forms.
-        advice: String,
-    },
-    /// Its conditions on a column exclude each other, or the column has no such value.
+    Kind { name: String, holds: &'static str, advice: String },
     #[error("`{text}` can never be true: no value of `{name}` is as it says")]
-    Never {
-        text: String,
-        /// The column.
-        name: String,
-    },
+    Never { text: String, name: String },
 }
 
 /// The result of a gate for a cell.
@@ -256,7 +229,6 @@ impl Gate {
         &self.text
     }
 
-    /// Whether it is about searches.
     pub fn is_about_searches(&self) -> bool {
         self.about_searches
     }
@@ -279,7 +251,6 @@ impl Gate {
             .map_err(|reason| GateError::AboutNothing { text: self.text.clone(), reason })
     }
 
-    /// Checks that a campaign has each requirement that it names.
     fn check_requirements(&self, campaigns: &[Campaign]) -> Result<(), String> {
         let known: Vec<&str> =
             campaigns.iter().flat_map(|campaign| &*campaign.requirements).map(|each| &*each.name).collect();

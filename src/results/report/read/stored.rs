@@ -28,68 +28,30 @@ use learn::{ActorCritic, CheckpointError};
 /// Why a report cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// A file cannot be read.
     #[error("cannot read `{path}`: {source}", path = path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        source: io::Error,
-    },
-    /// A link is in a report.
+    File { path: PathBuf, source: io::Error },
     #[error("`{path}` is a link; a report has none, and none is followed: take the report from where it is whole", path = path.display())]
     Link { path: PathBuf },
-    /// The manifest is not ours, or is of a version that lacks necessary data.
     #[error("`{path}` is not a manifest that episodes can be repeated from: {reason}", path = path.display())]
-    Manifest {
-        /// The file.
-        path: PathBuf,
-        /// The error of the parser.
-        reason: String,
-    },
-    /// A table is damaged or lacks a column.
+    Manifest { path: PathBuf, reason: String },
     #[error(
         "`{path}` is not a table of a report of this version: {source}; run its campaign again with this version",
         path = path.display()
     )]
-    Table {
-        /// The file.
-        path: PathBuf,
-        source: PolarsError,
-    },
-    /// A report has a table as CSV only.
+    Table { path: PathBuf, source: PolarsError },
     #[error(
         "there is no `{path}`: the report has its tables as CSV only; run its campaign again with --formats csv,parquet",
         path = path.display()
     )]
-    OnlyCsv {
-        /// The file that is missing.
-        path: PathBuf,
-    },
-    /// A report has no table of failures.
+    OnlyCsv { path: PathBuf },
     #[error("there is no `{path}`: the report is of an earlier version; run its campaign again", path = path.display())]
-    Older {
-        /// The file that is missing.
-        path: PathBuf,
-    },
-    /// A file of a report was removed.
+    Older { path: PathBuf },
     #[error("there is no `{path}`, which the report had when it was written; take the report from where it is whole", path = path.display())]
-    Absent {
-        /// The file that is missing.
-        path: PathBuf,
-    },
-    /// A file of a report was changed.
+    Absent { path: PathBuf },
     #[error("`{path}` is not as it was written; take the report from where it is whole", path = path.display())]
-    Changed {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A stored pedestrian is damaged.
+    Changed { path: PathBuf },
     #[error("`{path}` holds no pedestrian: {source}", path = path.display())]
-    Pedestrian {
-        /// The file.
-        path: PathBuf,
-        source: CheckpointError,
-    },
+    Pedestrian { path: PathBuf, source: CheckpointError },
 }
 
 /// A report on the disk.
@@ -375,7 +337,6 @@ impl StoredReport {
         Ok(())
     }
 
-    /// The path of a table.
     fn parquet(&self, table: &str) -> Result<PathBuf, ReadError> {
         let path = self.folder.join(format!("{table}.parquet"));
         if table == FAILURES && self.written(EPISODES).is_some() && self.written(FAILURES).is_none() {
@@ -416,14 +377,12 @@ impl StoredReport {
         rows.map_or(Ok(Vec::new()), |rows| self.names(table, &rows, number))
     }
 
-    /// The runs of rows.
     fn ids(&self, table: &str, rows: &DataFrame) -> Result<Vec<RunId>, ReadError> {
         let ids = RUN_ID.read(rows).map_err(|source| self.damaged(table, source))?;
         let no_run = |error: NoRunId| self.damaged(table, PolarsError::ComputeError(error.to_string().into()));
         ids.iter().map(|id| id.unwrap_or_default().parse().map_err(no_run)).collect()
     }
 
-    /// The names of rows: the run and a number.
     fn names(&self, table: &str, rows: &DataFrame, number: &str) -> Result<Vec<(RunId, u32)>, ReadError> {
         let numbers = rows.column(number).and_then(|column| column.cast(&DataType::UInt32));
         let numbers = numbers.map_err(|source| self.damaged(table, source))?;
@@ -431,7 +390,6 @@ impl StoredReport {
         Ok(self.ids(table, rows)?.into_iter().zip(numbers.iter().map(Option::unwrap_or_default)).collect())
     }
 
-    /// The error of a table that is damaged.
     fn damaged(&self, table: &str, source: PolarsError) -> ReadError {
         ReadError::Table { path: self.folder.join(format!("{table}.parquet")), source }
     }

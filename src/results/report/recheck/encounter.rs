@@ -64,7 +64,6 @@ impl RerunOutcome {
         Self { error: true, ..Self::default() }
     }
 
-    /// Whether it is a collision.
     pub fn is_collision(&self) -> bool {
         self.impact_speed.is_some()
     }

@@ -3,38 +3,27 @@ use episode::{Abilities, ExternalWorld};
 /// What a reader of a recheck must know.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RecheckNote {
-    /// The user stopped before these were met.
     #[error("stopped: failures that were not met: {failures}")]
     Left { failures: u64 },
-    /// The user stopped a fixed list.
     #[error("stopped: the fixed list that was under way is left out, and those after it")]
     ListLeft,
-    /// The old driver cannot be run as it was.
     #[error(
         "the old driver cannot be run as it was ({reason}): its ends are those of the report, recorded commands of evaluations are not known, and \
          the crossings have only the new driver"
     )]
-    OldDriverGone {
-        /// Why.
-        reason: String,
-    },
-    /// A driver of the report has no new version.
+    OldDriverGone { reason: String },
     #[error("`{driver}` is not among the new drivers and is left out; `--driver {driver}=NAME` names its new version")]
     NoPartner { driver: String },
-    /// The controllers of some failures cannot be repeated.
     #[error(
         "failures of searches that are met by their recorded commands alone: {failures}; the search chose commands, not a pedestrian that could walk again"
     )]
     CommandsAlone { failures: u64 },
-    /// Failures of the report are not failures any more when the old driver drives.
     #[error(
         "failures of the report that end otherwise now although the old driver drives: {failures}; another version of the program made the report, or the driver does not drive the same way twice; `falsify replay --all` shows them"
     )]
     OtherNow { failures: u64 },
-    /// Failures cannot be repeated.
     #[error("failures that cannot be repeated and are left out, since their commands are damaged: {failures}")]
     Damaged { failures: u64 },
-    /// The new drivers drive in another simulator.
     #[error(
         "the new drivers drive in `{name}` ({version}); starts, pedestrians, collisions and verdicts are those of the report"
     )]
@@ -42,10 +31,8 @@ pub enum RecheckNote {
     /// What a new driver lacks in its simulator.
     #[error("{said}")]
     Lacks { said: String },
-    /// Drivers of another simulator do not meet the fixed list.
     #[error("the fixed list is left out in another simulator; `--starts N` has it there, from N starts")]
     NoFixedList,
-    /// Encounters are left out, since a program failed.
     #[error(
         "a driver, a pedestrian or the world failed as a program; first in {first}. Ten failures in a row end the episodes with a driver"
     )]
@@ -53,7 +40,6 @@ pub enum RecheckNote {
         /// The first of the failures, with what failed and why.
         first: String,
     },
-    /// Encounters whose starts differ.
     #[error("episodes that have another start with the new driver and are left out: {encounters}")]
     OtherStart { encounters: u64 },
 }

@@ -1,13 +1,16 @@
+use std::borrow::Cow;
+
 use polars::prelude::{
     Column as Values, DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, LazyFrame, MaintainOrderJoin, NULL,
-    NamedFrom, PolarsResult, Series, col, lit, when,
+    PolarsResult, col, lit, when,
 };
 
 use super::{CrossedStarts, Encounter, Encounters, RecheckedFailures, RerunOutcome};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
-use crate::record::{Column, ColumnReference, Entry, Role, Table, TableReference};
+use crate::record::{Column, ColumnReference, Role, Table, TableReference, columns, entries};
 use crate::tables::pairs::{PAIRS, ROW, START, after, before, fixed, new, same, sides, starts, sums};
-use base::statistics::{clopper_pearson, holm, mcnemar};
+use crate::tables::{adjusted, interval, statistic};
+use base::statistics::{clopper_pearson, mcnemar};
 
 // The events of a pair.
 const COLLISION: &str = "collision";
@@ -24,38 +27,73 @@ const AVOIDABLE: &str = "avoidable_injury";
 const ERROR: &str = "error";
 /// Whether the old driver was run.
 const KNOWN: &str = "known";
-/// The failures that were met: faults of the old driver, and the others.
-const MET_FAULTS: &str = "met_faults";
-const MET_OTHERS: &str = "met_others";
 
 /// The column of the number of failures that a new driver did not meet.
 pub const NOT_MET: &str = "not_met";
 
+/// What a column is counted of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Pairs,
+    /// The starts of the pairs, with the sums over each.
+    Starts,
+    /// The rows of the table, when the others are there.
+    Rows,
+}
+
 /// A column: what it is, and what becomes of the pairs, or of the starts, of a row.
+#[derive(Clone)]
 struct Counted {
     column: ColumnReference,
+    of: Of,
     value: Expr,
 }
 
-/// A number of pairs, or of starts; missing if the old driver was not run.
-fn count(name: &'static str, doc: &'static str, is: Expr) -> Counted {
-    let counted = count_new(name, doc, is);
-    Counted { value: when(col(KNOWN).all(true)).then(counted.value).otherwise(lit(NULL)), ..counted }
+/// Columns that are counted; the comment of each is its meaning.
+macro_rules! counted {
+    ($($(#[doc = $doc:literal])+ $name:ident: $count:ident($($with:expr),+);)*) => {
+        [$($count(stringify!($name), concat!($($doc),+).trim_ascii(), $($with),+)),*].concat()
+    };
 }
 
 /// A number that is known without the old driver.
-fn count_new(name: &'static str, doc: &'static str, is: Expr) -> Counted {
-    Counted { column: Column::<u64>::new(name, "", doc).reference(), value: is.cast(DataType::UInt64).sum() }
+fn count_new(of: Of, name: &'static str, doc: &'static str, is: Expr) -> Vec<Counted> {
+    vec![Counted { column: Column::<u64>::new(name, "", doc).reference(), of, value: is.cast(DataType::UInt64).sum() }]
 }
 
-/// A sum or a mean over the pairs.
-fn measure(name: &'static str, unit: &'static str, doc: &'static str, value: Expr) -> Counted {
-    Counted { column: Column::<f64>::new(name, unit, doc).reference(), value }
+/// A number of pairs, or of starts; missing if the old driver was not run.
+fn count(of: Of, name: &'static str, doc: &'static str, is: Expr) -> Vec<Counted> {
+    count_new(of, name, doc, is).into_iter().map(|each| Counted { value: if_known(each.value), ..each }).collect()
 }
 
-/// What follows from counts.
-const fn derived(name: &'static str, doc: &'static str, role: Role) -> Column<f64> {
-    Column::new(name, "", doc).with_role(role)
+/// A sum, a mean or a probability.
+fn number(of: Of, column: Column<f64>, value: Expr) -> Vec<Counted> {
+    vec![Counted { column: column.reference(), of, value }]
+}
+
+/// A part of a whole, with its interval.
+fn share(name: &'static str, doc: &'static str, counts: [Expr; 2]) -> Vec<Counted> {
+    const LOW: &str = "its interval (95 %, Clopper and Pearson): lower end";
+    const HIGH: &str = "upper end";
+    let sums =
+        |counts: [&[f64]; 2]| Some(counts.map(|count| count.iter().sum::<f64>())).filter(|[_, whole]| *whole > 0.0);
+    let ratio = statistic(counts.clone(), move |counts| sums(counts).map(|[part, whole]| part / whole));
+    let [low, high] = interval(name, counts, move |counts| {
+        sums(counts).map(|[part, whole]| clopper_pearson(part as u64, whole as u64, 0.05))
+    });
+    let parts =
+        [("", doc, Role::Share, ratio), ("_low", LOW, Role::LowerBound, low), ("_high", HIGH, Role::UpperBound, high)];
+    let column = |(end, doc, role, value): (&str, &'static str, Role, Expr)| {
+        let name: Cow<'static, str> = format!("{name}{end}").into();
+        let own = Column::<f64>::new("", "", doc).with_role(role).reference();
+        Counted { column: ColumnReference { figure: name.clone(), name, ..own }, of: Of::Pairs, value }
+    };
+    parts.map(column).into()
+}
+
+/// Missing if the old driver was not run.
+fn if_known(value: Expr) -> Expr {
+    when(col(KNOWN).all(true)).then(value).otherwise(lit(NULL))
 }
 
 /// Whether the driver before has an event, and whether the driver after has.
@@ -77,362 +115,274 @@ fn per_thousand(value: Expr) -> Expr {
     lit(1000.0) * value.mean()
 }
 
-const LOW: &str = "its interval (95 %, Clopper and Pearson): lower end";
-const HIGH: &str = "upper end";
-const STILL: [Column<f64>; 3] = [
-    derived("still_fault_share", "`still_faults` as a share of the `old_faults` that were met", Role::Share),
-    derived("still_fault_share_low", LOW, Role::LowerBound),
-    derived("still_fault_share_high", HIGH, Role::UpperBound),
-];
-const TURNED: [Column<f64>; 3] = [
-    derived(
-        "turned_fault_share",
-        "`turned_faults` as a share of the `failures` that were met, without `old_faults`",
-        Role::Share,
-    ),
-    derived("turned_fault_share_low", LOW, Role::LowerBound),
-    derived("turned_fault_share_high", HIGH, Role::UpperBound),
-];
-
-/// What is counted of the failures of a report that were met again: faults, and those that were none.
-fn of_failures() -> [Vec<Counted>; 3] {
+/// What is counted of the failures of a report that were met again.
+fn of_failures() -> Vec<Counted> {
+    let pairs = |name, doc, is| count(Of::Pairs, name, doc, is);
+    let sum = |name, doc, value: Expr| number(Of::Pairs, Column::new(name, "", doc), value.sum());
     let [injuries_before, injuries_after] = quantity(AVOIDABLE);
-    let faults = vec![
-        count("failures", "collisions in the report, met again; with --sample near misses, too", is_valid()),
-        count("old_faults", "of them faults of the old driver", was(FAULT)),
-        count("still_faults", "of these faults, those that the new driver still has", same(FAULT)),
-    ];
-    let turned = vec![count(
-        "turned_faults",
-        "failures that were no fault of the old driver and are one of the new",
-        new(FAULT),
-    )];
-    let collisions = vec![
-        count("still_collisions", "failures that are still collisions with the new driver", is(COLLISION)),
-        count(
-            "still_collisions_worse",
-            "of these, those that are at least 1 m/s faster, a fault only now, or faster and therefore no fault any more",
-            is(WORSE),
-        ),
-        count(
-            "still_collisions_better",
-            "of these, those that are at least 1 m/s slower, or no fault any more, and not worse",
-            fixed(WORSE),
-        ),
-        count(
-            "gone",
-            "failures that are none any more since the new driver reacts; a pedestrian may bump into the standing car",
-            fixed(COLLISION).and(is(MISSED).not()),
-        ),
-        count(
-            NOT_MET,
-            "failures of which nothing is known: the pedestrian would miss the new driver even if that saw nobody",
-            was(COLLISION).and(is(MISSED)),
-        ),
-        measure(
-            "avoidable_injuries_before",
-            "",
-            "expected severe injuries (AIS 4 or more, or death) in the old driver's faults",
-            injuries_before.sum(),
-        ),
-        measure("avoidable_injuries_after", "", "the same in the new driver's", injuries_after.sum()),
-    ];
-    [faults, turned, collisions]
+    let is_met = || is(MISSED).not();
+    counted! {
+        /// collisions in the report, met again; with --sample near misses, too
+        failures: pairs(is_valid());
+        /// of them faults of the old driver
+        old_faults: pairs(was(FAULT));
+        /// of these faults, those that the new driver still has
+        still_faults: pairs(same(FAULT));
+        /// `still_faults` as a share of the `old_faults` that were met
+        still_fault_share: share([same(FAULT), was(FAULT).and(is_met())]);
+        /// failures that were no fault of the old driver and are one of the new
+        turned_faults: pairs(new(FAULT));
+        /// `turned_faults` as a share of the `failures` that were met, without `old_faults`
+        turned_fault_share: share([new(FAULT), was(FAULT).not().and(is_met())]);
+        /// failures that are still collisions with the new driver
+        still_collisions: pairs(is(COLLISION));
+        /// of these, those that are at least 1 m/s faster, a fault only now, or faster and therefore no fault any more
+        still_collisions_worse: pairs(is(WORSE));
+        /// of these, those that are at least 1 m/s slower, or no fault any more, and not worse
+        still_collisions_better: pairs(fixed(WORSE));
+        /// failures that are none any more since the new driver reacts; a pedestrian may bump into the standing car
+        gone: pairs(fixed(COLLISION).and(is_met()));
+        /// failures of which nothing is known: the pedestrian would miss the new driver even if that saw nobody
+        not_met: pairs(was(COLLISION).and(is(MISSED)));
+        /// expected severe injuries (AIS 4 or more, or death) in the old driver's faults
+        avoidable_injuries_before: sum(injuries_before);
+        /// the same in the new driver's
+        avoidable_injuries_after: sum(injuries_after);
+    }
 }
 
-/// What is counted of the episodes of the fixed list: faults, and injuries.
-fn of_episodes() -> [Vec<Counted>; 2] {
+const STARTS: &str = "starts";
+const P: &str = "p";
+const P_STARTS: &str = "p_starts";
+
+/// What is counted of the fixed list: starts, episodes and starts with a fault, and by how much faults weigh.
+fn of_crossings() -> Vec<Counted> {
     let [[injury_before, injury_after], [avoidable_before, avoidable_after]] = [quantity(INJURY), quantity(AVOIDABLE)];
     let difference = per_thousand(avoidable_after.clone()) - per_thousand(avoidable_before.clone());
-    let faults = vec![
-        count("faults_before", "episodes that are a fault of the old driver", was(FAULT)),
-        count_new("faults_after", "episodes that are a fault of the new driver", is(FAULT)),
-        count("faults_new", "of the new driver only", new(FAULT)),
-        count("faults_fixed", "of the old driver only", fixed(FAULT)),
-        count("faults_same", "of both", same(FAULT)),
-    ];
-    let injuries = vec![
-        measure(
-            "avoidable_injury_before",
-            "1/1000",
-            "expected severe injuries (AIS 4 or more, or death) in the old driver's faults, for 1,000 episodes",
-            per_thousand(avoidable_before),
-        ),
-        measure("avoidable_injury_after", "1/1000", "the same in the new driver's", per_thousand(avoidable_after)),
-        measure("avoidable_injury_difference", "1/1000", "after less before", difference),
-        measure(
-            "injury_difference",
-            "1/1000",
-            "expected severe injuries in all collisions of the new driver, avoidable or not, less the old driver's",
-            per_thousand(injury_after - injury_before),
-        ),
-    ];
-    [faults, injuries]
+    let [fixed_start, new_start] = [was(FAULT).and(is(FAULT).not()), was(FAULT).not().and(is(FAULT))];
+    let [before, after] = [avoidable_before.clone(), avoidable_after.clone()];
+    let [worse, better] = [after.clone().gt(before.clone()), after.lt(before)];
+    // McNemar's test, or the sign test, of two numbers of starts.
+    let exact = |starts: [Expr; 2]| {
+        let sum = |starts: &[f64]| starts.iter().sum::<f64>() as u64;
+        if_known(statistic(starts, move |[fixed, new]| Some(mcnemar(sum(fixed), sum(new)))))
+    };
+    let tested =
+        when((col("fault_starts_new") + col("fault_starts_fixed")).gt(lit(0))).then(col(P)).otherwise(lit(NULL));
+    let episodes = |name, doc, is| count(Of::Pairs, name, doc, is);
+    let episodes_new = |name, doc, is| count_new(Of::Pairs, name, doc, is);
+    let starts = |name, doc, is| count(Of::Starts, name, doc, is);
+    let starts_new = |name, doc, is| count_new(Of::Starts, name, doc, is);
+    let share = |name, doc, value| number(Of::Starts, Column::new(name, "", doc).with_role(Role::Share), value);
+    let p = |name, doc, of, value| number(of, Column::new(name, "", doc).with_role(Role::AdjustedP), value);
+    let injuries = |name, doc, value| number(Of::Pairs, Column::new(name, "1/1000", doc), value);
+    counted! {
+        /// starts
+        starts: starts_new(col(PAIRS).gt(lit(0)));
+        /// episodes that are a fault of the old driver
+        faults_before: episodes(was(FAULT));
+        /// episodes that are a fault of the new driver
+        faults_after: episodes_new(is(FAULT));
+        /// of the new driver only
+        faults_new: episodes(new(FAULT));
+        /// of the old driver only
+        faults_fixed: episodes(fixed(FAULT));
+        /// of both
+        faults_same: episodes(same(FAULT));
+        /// starts from which an episode is a fault of the old driver
+        fault_starts_before: starts(was(FAULT));
+        /// the same of the new driver
+        fault_starts_after: starts_new(is(FAULT));
+        /// such starts of the new driver only
+        fault_starts_new: starts(new_start.clone());
+        /// such starts of the old driver only
+        fault_starts_fixed: starts(fixed_start.clone());
+        /// such starts of both
+        fault_starts_same: starts(was(FAULT).and(is(FAULT)));
+        /// share of the starts with a fault of the old driver
+        fault_share_before: share(if_known(was(FAULT).mean()));
+        /// the same of the new driver
+        fault_share_after: share(is(FAULT).mean());
+        /// probability of such a change of the share by chance: McNemar's exact test over starts
+        p: p(Of::Starts, exact([fixed_start, new_start]));
+        /// the same, adjusted by Holm's method for all rows in which a start differs; else 1
+        p_holm: p(Of::Rows, adjusted(tested).fill_null(col(P)));
+        /// starts from which the new driver's faults weigh more (avoidable injury)
+        starts_worse: starts(worse.clone());
+        /// starts from which they weigh less
+        starts_better: starts(better.clone());
+        /// probability of a difference at least this large between the numbers of worse and better starts by chance: the exact sign test
+        p_starts: p(Of::Starts, exact([better, worse]));
+        /// expected severe injuries (AIS 4 or more, or death) in the old driver's faults, for 1,000 episodes
+        avoidable_injury_before: injuries(per_thousand(avoidable_before));
+        /// the same in the new driver's
+        avoidable_injury_after: injuries(per_thousand(avoidable_after));
+        /// after less before
+        avoidable_injury_difference: injuries(difference);
+        /// expected severe injuries in all collisions of the new driver, avoidable or not, less the old driver's
+        injury_difference: injuries(per_thousand(injury_after - injury_before));
+    }
 }
 
-/// What is counted of its starts: those with a fault, and by how much their faults weigh.
-fn of_starts() -> [Vec<Counted>; 2] {
-    let [weight_before, weight_after] = quantity(AVOIDABLE);
-    let faults = vec![
-        count("fault_starts_before", "starts from which an episode is a fault of the old driver", was(FAULT)),
-        count_new("fault_starts_after", "the same of the new driver", is(FAULT)),
-        count("fault_starts_new", "such starts of the new driver only", was(FAULT).not().and(is(FAULT))),
-        count("fault_starts_fixed", "such starts of the old driver only", was(FAULT).and(is(FAULT).not())),
-        count("fault_starts_same", "such starts of both", was(FAULT).and(is(FAULT))),
-    ];
-    let weights = vec![
-        count(
-            "starts_worse",
-            "starts from which the new driver's faults weigh more (avoidable injury)",
-            weight_after.clone().gt(weight_before.clone()),
-        ),
-        count("starts_better", "starts from which they weigh less", weight_after.lt(weight_before)),
-    ];
-    [faults, weights]
+columns! {
+    /// episodes left out, since a driver, a pedestrian or the world failed as a program
+    FAILED: Column<u64> = "failed_encounters";
+    /// name of the new driver
+    OTHER_DRIVER: Column<String> = "other_driver";
 }
-
-const SHARES: [Column<f64>; 2] = [
-    derived("fault_share_before", "share of the starts with a fault of the old driver", Role::Share),
-    derived("fault_share_after", "the same of the new driver", Role::Share),
-];
-const P: Column<f64> = derived(
-    "p",
-    "probability of such a change of the share by chance: McNemar's exact test over starts",
-    Role::AdjustedP,
-);
-const P_HOLM: Column<f64> = derived(
-    "p_holm",
-    "the same, adjusted by Holm's method for all rows in which a start differs; else 1",
-    Role::AdjustedP,
-);
-const P_STARTS: Column<f64> = derived(
-    "p_starts",
-    "probability of a difference at least this large between the numbers of worse and better starts by chance: the exact sign test",
-    Role::AdjustedP,
-);
-const STARTS: Column<u64> = Column::new("starts", "", "starts");
-const FAILED: Column<u64> = Column::new(
-    "failed_encounters",
-    "",
-    "episodes left out, since a driver, a pedestrian or the world failed as a program",
-);
 
 /// The first columns of the failures that were met again.
 fn failures_key() -> Table<'static, RecheckedFailures> {
-    type Row = RecheckedFailures;
-    Table::new("recheck_failures", "One row for each driver, town, world, source of failures and walk.")
-        .column(DRIVER.of(|row: &Row| row.policies[0].clone()))
-        .column(OTHER_DRIVER.of(|row: &Row| row.policies[1].clone()))
-        .column(TOWN.of(|row: &Row| row.town.clone()))
-        .column(WORLD.of(|row: &Row| row.world.clone()))
-        .text("found_in", "`evaluation` or `search`", |row| row.found_in.name())
-        .text("walked_by", "what moves the pedestrian: `pedestrian`, or the recorded `commands`", |row| {
-            row.walked_by.name()
-        })
+    Table::new("recheck_failures", "One row for each driver, town, world, source of failures and walk.").columns(
+        entries! { row: &RecheckedFailures;
+            DRIVER = row.policies[0].clone();
+            OTHER_DRIVER = row.policies[1].clone();
+            TOWN = row.town.clone();
+            WORLD = row.world.clone();
+            /// `evaluation` or `search`
+            found_in: String = row.found_in.name();
+            /// what moves the pedestrian: `pedestrian`, or the recorded `commands`
+            walked_by: String = row.walked_by.name();
+        },
+    )
 }
-
-const OTHER_DRIVER: Column<String> = Column::new("other_driver", "", "name of the new driver");
-const SETUP: Column<u64> = Column::new("setup", "", "number of the spawn, episode and pedestrian in the town, from 0");
-const CROSSINGS: Column<u64> = Column::new("crossings", "", "episodes from each start");
 
 /// The first columns of the fixed list.
 fn crossings_key() -> Table<'static, CrossedStarts> {
-    type Row = CrossedStarts;
     Table::new(
         "recheck_crossings",
         "One row for each driver, town and setup: an episode for every walk of a grid, from the same starts.",
     )
-    .column(DRIVER.of(|row: &Row| row.policies[0].clone()))
-    .column(OTHER_DRIVER.of(|row: &Row| row.policies[1].clone()))
-    .column(TOWN.of(|row: &Row| row.town.clone()))
-    .column(WORLD.of(|row: &Row| row.world.clone()))
-    .column(SETUP.of(|row: &Row| row.setup))
-    .column(CROSSINGS.of(|row: &Row| row.crossings))
+    .columns(entries! { row: &CrossedStarts;
+        DRIVER = row.policies[0].clone();
+        OTHER_DRIVER = row.policies[1].clone();
+        TOWN = row.town.clone();
+        WORLD = row.world.clone();
+        /// number of the spawn, episode and pedestrian in the town, from 0
+        setup: u64 = row.setup;
+        /// episodes from each start
+        crossings: u64 = row.crossings;
+    })
 }
 
-fn references(counted: &[Counted]) -> impl Iterator<Item = ColumnReference> {
-    counted.iter().map(|counted| counted.column.clone())
+/// The columns of a table with this key.
+fn reference(key: TableReference, counted: &[Counted]) -> TableReference {
+    let counted = counted.iter().map(|counted| counted.column.clone());
+    TableReference { columns: key.columns.into_iter().chain(counted).chain([FAILED.reference()]).collect(), ..key }
 }
 
 /// The columns of [`rechecked_table`].
 pub fn rechecked_reference() -> TableReference {
-    let [faults, turned, collisions] = of_failures();
-    let mut table = failures_key().reference();
-    table.columns.extend(references(&faults).chain(STILL.iter().map(Column::reference)));
-    table.columns.extend(references(&turned).chain(TURNED.iter().map(Column::reference)));
-    table.columns.extend(references(&collisions).chain([FAILED.reference()]));
-    table
+    reference(failures_key().reference(), &of_failures())
 }
 
 /// The columns of [`crossed_table`].
 pub fn crossed_reference() -> TableReference {
-    let ([faults, injuries], [fault_starts, weights]) = (of_episodes(), of_starts());
-    let mut table = crossings_key().reference();
+    let key = crossings_key().reference();
+    let before_crossings = key.columns.len() - 1;
+    let mut table = reference(key, &of_crossings());
     // The starts come before their episodes.
-    table.columns.insert(table.columns.len() - 1, STARTS.reference());
-    table.columns.extend(references(&faults).chain(references(&fault_starts)));
-    table.columns.extend([&SHARES[0], &SHARES[1], &P, &P_HOLM].map(Column::reference));
-    table.columns.extend(references(&weights).chain([P_STARTS.reference()]));
-    table.columns.extend(references(&injuries).chain([FAILED.reference()]));
+    table.columns.swap(before_crossings, before_crossings + 1);
     table
 }
 
 /// The failures of a report that were met again as a table, one row for each set.
 pub fn rechecked_table(rows: &[RecheckedFailures]) -> DataFrame {
-    let mut counted: Vec<Counted> = of_failures().into_iter().flatten().collect();
-    let is_met = || is(MISSED).not();
-    counted.push(count(MET_FAULTS, "", was(FAULT).and(is_met())));
-    counted.push(count(MET_OTHERS, "", was(FAULT).not().and(is_met())));
-    let made = || {
-        let pairs = pairs(rows.iter().map(|row| &row.encounters));
-        let table = aggregated(failures_key().frame(rows), pairs.clone().filter(is_valid()), &counted)?;
-        let mut table = with_failed(table, pairs)?;
-        for (columns, part, whole) in [(&STILL, "still_faults", MET_FAULTS), (&TURNED, "turned_faults", MET_OTHERS)] {
-            let share = |[part, whole]: [u64; 2]| {
-                let (low, high) = clopper_pearson(part, whole, 0.05);
-                (whole > 0).then(|| [part as f64 / whole as f64, low, high])
-            };
-            derive(&mut table, columns.each_ref(), [part, whole], share)?;
-        }
-        in_order(table, &rechecked_reference())
-    };
-    let made: PolarsResult<DataFrame> = made();
-    made.expect(HAS_COLUMNS)
+    let encounters = rows.iter().map(|row| &row.encounters);
+    counted_table(failures_key().frame(rows), encounters, &of_failures(), &rechecked_reference()).expect(HAS_COLUMNS)
 }
 
 /// The fixed list as a table, one row for each driver, town and setup.
 pub fn crossed_table(rows: &[CrossedStarts]) -> DataFrame {
-    let ([faults, injuries], [fault_starts, weights]) = (of_episodes(), of_starts());
-    let of_pairs: Vec<Counted> = faults.into_iter().chain(injuries).collect();
-    let mut of_starts: Vec<Counted> = fault_starts.into_iter().chain(weights).collect();
-    of_starts.push(count_new(STARTS.name, STARTS.doc, col(PAIRS).gt(lit(0))));
-    let made = || {
-        let all = pairs(rows.iter().map(|row| &row.encounters));
-        let valid = all.clone().filter(is_valid());
-        let [weight_before, weight_after] = sides(AVOIDABLE).map(|side| col(&side).sum().alias(side));
-        let more = [weight_before, weight_after, col(KNOWN).all(true)];
-        let starts = starts(valid.clone(), sums(FAULT).into_iter().chain(more));
-        let table = aggregated(crossings_key().frame(rows), valid, &of_pairs)?;
-        let mut table = with_failed(aggregated(table, starts, &of_starts)?, all)?;
-        for (share, part) in SHARES.iter().zip(["fault_starts_before", "fault_starts_after"]) {
-            let ratio = |[part, whole]: [u64; 2]| (whole > 0).then(|| [part as f64 / whole as f64]);
-            derive(&mut table, [share], [part, STARTS.name], ratio)?;
-        }
-        let exact = |[fixed, new]: [u64; 2]| Some([mcnemar(fixed, new)]);
-        derive(&mut table, [&P], ["fault_starts_fixed", "fault_starts_new"], exact)?;
-        derive(&mut table, [&P_STARTS], ["starts_better", "starts_worse"], exact)?;
-        adjust(&mut table)?;
-        in_order(table, &crossed_reference())
-    };
-    let made: PolarsResult<DataFrame> = made();
-    made.expect(HAS_COLUMNS)
+    let encounters = rows.iter().map(|row| &row.encounters);
+    counted_table(crossings_key().frame(rows), encounters, &of_crossings(), &crossed_reference()).expect(HAS_COLUMNS)
 }
 
 const HAS_COLUMNS: &str = "a table of pairs has a column for each event";
 
+/// Rows with what is counted of their encounters.
+fn counted_table<'a>(
+    rows: DataFrame,
+    encounters: impl Iterator<Item = &'a Encounters>,
+    counted: &[Counted],
+    reference: &TableReference,
+) -> PolarsResult<DataFrame> {
+    let values = |of: Of| -> Vec<Expr> {
+        let own = counted.iter().filter(|counted| counted.of == of);
+        own.map(|counted| counted.value.clone().alias(&*counted.column.name)).collect()
+    };
+    let all = pairs(encounters);
+    let valid = all.clone().filter(is_valid());
+    let weights = sides(AVOIDABLE).map(|side| col(&side).sum().alias(side));
+    let starts = starts(valid.clone(), sums(FAULT).into_iter().chain(weights).chain([col(KNOWN).all(true)]));
+    let failed = vec![col(ERROR).cast(DataType::UInt64).sum().alias(FAILED.name), col(KNOWN).all(true)];
+    let mut table = rows.lazy().with_row_index(ROW, None);
+    for (part, values) in [(valid, values(Of::Pairs)), (starts, values(Of::Starts)), (all, failed)] {
+        let order = JoinArgs { maintain_order: MaintainOrderJoin::Left, ..JoinArgs::new(JoinType::Left) };
+        table = table.join(part.group_by_stable([col(ROW)]).agg(values), [col(ROW)], [col(ROW)], order);
+    }
+    let mut columns = counted.iter().map(|counted| counted.column.clone()).collect::<Vec<_>>();
+    columns.push(FAILED.reference());
+    table
+        .with_columns(columns.iter().filter_map(of_no_pair).collect::<Vec<_>>())
+        .with_columns(values(Of::Rows))
+        .select(reference.columns.iter().map(|column| col(&*column.name)).collect::<Vec<_>>())
+        .collect()
+}
+
+/// What a row has whose pairs are all in error: its counts are 0, and nothing tells its drivers apart. Without any pair it has no starts.
+fn of_no_pair(column: &ColumnReference) -> Option<Expr> {
+    let name = &*column.name;
+    let value = match column.holds {
+        DataType::UInt64 => lit(0_u64),
+        _ if [P, P_STARTS].contains(&name) => lit(1.0),
+        _ => return None,
+    };
+    let is_none = col(name).is_null().and(col(KNOWN).or(lit([STARTS, FAILED.name].contains(&name))));
+    Some(when(is_none).then(value).otherwise(col(name)).alias(name))
+}
+
 /// The pairs of several rows.
 fn pairs<'a>(rows: impl Iterator<Item = &'a Encounters>) -> LazyFrame {
-    type Row<'a> = (u32, &'a Encounter);
-    let of_row =
-        |(row, encounters): (usize, &'a Encounters)| encounters.0.iter().map(move |encounter| (row as u32, encounter));
-    let all: Vec<Row<'a>> = rows.enumerate().flat_map(of_row).collect();
-    let is_worse = |own: Option<RerunOutcome>, other: Option<RerunOutcome>| {
-        let (own, other) = (own?.collision(), other?.collision());
-        Some(own.zip(other).is_some_and(|(own, other)| own.is_worse_than(&other)))
+    let of_row = |(row, encounters): (u32, &'a Encounters)| encounters.0.iter().map(move |each| (row, each));
+    let all: Vec<(u32, &Encounter)> = (0..).zip(rows).flat_map(of_row).collect();
+    let flags = |name: &str, is: &dyn Fn(&Encounter) -> Option<bool>| {
+        Values::new(name.into(), all.iter().map(|(_, each)| is(each)).collect::<Vec<_>>())
     };
-    let mut table = Table::<Row<'a>>::new("pairs", "")
-        .column(Entry::new::<u32, _>(ROW.into(), "".into(), "".into(), |row: &Row<'a>| row.0))
-        .count(START, "", |row| row.1.start)
-        .column(Entry::new::<bool, _>(KNOWN.into(), "".into(), "".into(), |row: &Row<'a>| row.1.before.is_some()))
-        .column(Entry::new::<bool, _>(ERROR.into(), "".into(), "".into(), |row: &Row<'a>| row.1.is_error()));
+    let mut columns = vec![
+        Values::new(ROW.into(), all.iter().map(|(row, _)| *row).collect::<Vec<_>>()),
+        Values::new(START.into(), all.iter().map(|(_, each)| each.start).collect::<Vec<_>>()),
+        flags(KNOWN, &|each| Some(each.before.is_some())),
+        flags(ERROR, &|each| Some(each.is_error())),
+    ];
     for side in 0..2 {
-        let end = move |row: &Row<'a>| if side == 0 { row.1.before } else { Some(row.1.after) };
-        let other = move |row: &Row<'a>| if side == 0 { Some(row.1.after) } else { row.1.before };
-        let name = |event: &str| sides(event)[side].clone().into();
-        let flag = |event: &str, is: fn(&RerunOutcome) -> bool| {
-            Entry::new::<bool, _>(name(event), "".into(), "".into(), move |row: &Row<'a>| Some(is(&end(row)?)))
+        let ends = |each: &Encounter| {
+            let ends = [each.before, Some(each.after)];
+            [ends[side], ends[1 - side]]
         };
-        let quantity = |event: &str, of: fn(&RerunOutcome) -> f64| {
-            Entry::new::<f64, _>(name(event), "".into(), "".into(), move |row: &Row<'a>| Some(of(&end(row)?)))
+        let name = |event: &str| sides(event)[side].clone();
+        let quantities = |event: &str, of: fn(&RerunOutcome) -> f64| {
+            let values = all.iter().map(|(_, each)| ends(each)[0].as_ref().map(of));
+            Values::new(name(event).into(), values.collect::<Vec<_>>())
         };
-        table = table
-            .column(flag(COLLISION, RerunOutcome::is_collision))
-            .column(flag(FAULT, |end| end.fault))
-            .column(flag(MISSED, |end| end.is_missed))
-            .column(Entry::new::<bool, _>(name(WORSE), "".into(), "".into(), move |row| is_worse(end(row), other(row))))
-            .column(quantity(INJURY, RerunOutcome::injury))
-            .column(quantity(AVOIDABLE, RerunOutcome::avoidable_injury));
+        let is_worse = |each: &Encounter| {
+            let [own, other] = ends(each).map(|end| end.map(|end| end.collision()));
+            Some(own?.zip(other?).is_some_and(|(own, other)| own.is_worse_than(&other)))
+        };
+        columns.extend([
+            flags(&name(COLLISION), &|each| Some(ends(each)[0]?.is_collision())),
+            flags(&name(FAULT), &|each| Some(ends(each)[0]?.fault)),
+            flags(&name(MISSED), &|each| Some(ends(each)[0]?.is_missed)),
+            flags(&name(WORSE), &is_worse),
+            quantities(INJURY, RerunOutcome::injury),
+            quantities(AVOIDABLE, RerunOutcome::avoidable_injury),
+        ]);
     }
-    table.frame(&all).lazy()
+    DataFrame::new(all.len(), columns).expect(HAS_COLUMNS).lazy()
 }
 
 fn is_valid() -> Expr {
     col(ERROR).not()
-}
-
-/// Rows with what becomes of their pairs.
-fn aggregated(rows: DataFrame, pairs: LazyFrame, counted: &[Counted]) -> PolarsResult<DataFrame> {
-    let sums: Vec<Expr> = counted.iter().map(|counted| counted.value.clone().alias(&*counted.column.name)).collect();
-    beside(rows, pairs.group_by_stable([col(ROW)]).agg(sums))
-}
-
-/// Rows with the number of their pairs in error. Where all are, the counts are 0, and so is the number of starts without any pair.
-fn with_failed(rows: DataFrame, pairs: LazyFrame) -> PolarsResult<DataFrame> {
-    let failed = col(ERROR).cast(DataType::UInt64).sum().alias(FAILED.name);
-    let rows = beside(rows, pairs.group_by_stable([col(ROW)]).agg([failed, col(KNOWN).all(true)]))?;
-    let is_count = |column: &&Values| *column.dtype() == DataType::UInt64;
-    let zero = |column: &Values| {
-        let name = column.name().as_str();
-        let is_none = col(name).is_null().and(col(KNOWN).or(lit([STARTS.name, FAILED.name].contains(&name))));
-        when(is_none).then(lit(0_u64)).otherwise(col(name)).alias(name)
-    };
-    let counts: Vec<Expr> = rows.columns().iter().filter(is_count).map(zero).collect();
-    rows.lazy().with_columns(counts).collect()
-}
-
-/// Rows beside what another table has of each.
-fn beside(rows: DataFrame, other: LazyFrame) -> PolarsResult<DataFrame> {
-    let order = JoinArgs { maintain_order: MaintainOrderJoin::Left, ..JoinArgs::new(JoinType::Left) };
-    let numbers: Vec<u32> = (0..rows.height() as u32).collect();
-    let mut rows = rows;
-    rows.with_column(Values::from(Series::new(ROW.into(), numbers)))?;
-    rows.lazy().join(other, [col(ROW)], [col(ROW)], order).collect()?.drop(ROW)
-}
-
-/// Adds columns that follow from two counts.
-fn derive<const N: usize>(
-    table: &mut DataFrame,
-    columns: [&Column<f64>; N],
-    counts: [&str; 2],
-    of: impl Fn([u64; 2]) -> Option<[f64; N]>,
-) -> PolarsResult<()> {
-    let [first, second] = [table.column(counts[0])?.u64()?, table.column(counts[1])?.u64()?];
-    let row = |(first, second): (Option<u64>, Option<u64>)| of([first?, second?]);
-    let found: Vec<Option<[f64; N]>> = first.iter().zip(second.iter()).map(row).collect();
-    for (place, column) in columns.into_iter().enumerate() {
-        let values: Vec<Option<f64>> = found.iter().map(|row| row.map(|row| row[place])).collect();
-        table.with_column(Values::from(Series::new(column.name.into(), values)))?;
-    }
-    Ok(())
-}
-
-/// Adds the probabilities of the fixed list, adjusted for all rows in which a start differs.
-fn adjust(table: &mut DataFrame) -> PolarsResult<()> {
-    let count = |name: &str| Ok::<_, polars::error::PolarsError>(table.column(name)?.u64()?.clone());
-    let (new, fixed) = (count("fault_starts_new")?, count("fault_starts_fixed")?);
-    let p: Vec<Option<f64>> = P.read(table)?.iter().collect();
-    let differs = |row: usize| new.get(row).unwrap_or_default() + fixed.get(row).unwrap_or_default() > 0;
-    let tested: Vec<f64> = (0..p.len()).filter(|row| differs(*row)).filter_map(|row| p[row]).collect();
-    let mut adjusted = holm(&tested).into_iter();
-    let all: Vec<Option<f64>> =
-        (0..p.len()).map(|row| if differs(row) && p[row].is_some() { adjusted.next() } else { p[row] }).collect();
-    table.with_column(Values::from(Series::new(P_HOLM.name.into(), all)))?;
-    Ok(())
-}
-
-/// The columns of a table in their order.
-fn in_order(table: DataFrame, reference: &TableReference) -> PolarsResult<DataFrame> {
-    table.select(reference.columns.iter().map(|column| column.name.as_ref()))
 }
 
 #[cfg(test)]

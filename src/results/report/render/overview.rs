@@ -7,12 +7,12 @@ use polars::prelude::PolarsResult;
 
 use super::page::{document, paragraph};
 use super::sections::{Scale, failed_starts, injury, searcher};
-use super::table::{Column, Mark, Table, Value};
+use super::table::{Column, Mark, Selection, Table, Value};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
-use crate::report::{DriverResult, Overview, Rate, Variant};
+use crate::report::{DriverResult, Overview, Rate, SearchCell, Variant};
 use crate::tables::metrics::{EPISODES, compared};
 use crate::tables::overview::{SEEDS, WHO, p_column, setting_column};
-use crate::tables::{FAULT_START_RATE, Row};
+use crate::tables::{Cell, FAULT_START_RATE, Row};
 use compile::HERE;
 
 /// How to read the tables.
@@ -91,69 +91,64 @@ fn reports(overview: &Overview<'_>) -> usize {
 /// Figures over the seeds of a call, and differences: of all figures and pairs, or of faults to the first controller or falsifier; empty for a single seed.
 fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>> {
     let (all, settings) = (overview.over_seeds()?, overview.settings());
-    let words = |row: &Row<u32>| {
-        let text = |column: &str| Value::from(row.text_of(column));
-        let settings =
-            settings.iter().map(|name| Some(row.text_of(&setting_column(name))).filter(|text| !text.is_empty()));
-        let mut words: Vec<Value> = settings.map(|value| value.as_deref().unwrap_or("–").into()).collect();
-        words.extend([DRIVER.name, TOWN.name, WHO].map(text));
-        words.push(Value::Count(row.whole_number(SEEDS)));
-        words
+    let words = || {
+        let names = [("driver", DRIVER.name), ("town", TOWN.name), ("pedestrian or search", WHO)];
+        Selection::new()
+            .each(
+                &settings,
+                |name| Column::text(*name).key(),
+                |name, row: &Row<u32>| {
+                    let value = row.text_of(&setting_column(name));
+                    if value.is_empty() { "–".into() } else { value }
+                },
+            )
+            .each(names, |(name, _)| Column::text(*name).key(), |(_, column), row| row.text_of(column))
+            .number("seeds", |row| row.whole_number(SEEDS))
     };
-    let head = |figures: Vec<Column>| {
-        let names = settings.iter().map(String::as_str).chain(["driver", "town", "pedestrian or search"]);
-        let mut head: Vec<Column> = names.map(|name| Column::text(name).key()).collect();
-        head.push(Column::number("seeds"));
-        head.extend(figures);
-        head
-    };
-    let row = |pooled: &Row<u32>| {
-        let mut row = words(pooled);
-        for metric in compared().rev() {
+    let seeds = words().each(
+        compared().rev().flat_map(|metric| [(metric, false), (metric, true)]),
+        |(metric, is_sd)| if *is_sd { Column::number("sd").page_only() } else { Column::number(metric.word()) },
+        |(metric, is_sd), pooled| {
             let rate = pooled.figure(metric.name, "");
-            let mean = match (rate.value, pooled.number(EPISODES.name)) {
+            match (rate.value, pooled.number(EPISODES.name)) {
+                _ if *is_sd => Value::number(rate.sd, 3),
                 (Some(0.0), Some(episodes)) => Value::Of(0, episodes as u64),
                 _ => over_seeds(&rate, false),
-            };
-            row.extend([mean, Value::number(rate.sd, 3)]);
-        }
-        row
-    };
-    let figures = compared().rev().flat_map(|metric| [Column::number(metric.word()), Column::number("sd").page_only()]);
-    let mut tables = vec![Table {
+            }
+        },
+    );
+    let seeds = Table {
         title: "Over the seeds".into(),
-        head: head(figures.collect()),
-        rows: all.iter().map(row).collect(),
         notes: vec!["The mean over the seeds with Student's 95 % interval from four seeds on, else ± their standard deviation. Fixed cases that end alike at every seed are one run, without a spread. A search's fault is the share of starts with one.".into()],
-        ..Table::default()
-    }];
+        ..seeds.table(all.iter())
+    };
     let p = |p: Option<f64>| match p {
         Some(p) if p < 0.001 => "< 0.001".into(),
         p => Value::number(p, 3),
     };
-    let shown_metrics = || compared().rev().take(if everything { usize::MAX } else { 1 });
     let by_group: BTreeMap<u32, &Row<u32>> = all.iter().map(|row| (row.key, row)).collect();
-    let difference = |pair: &Row<[u32; 2]>| {
-        let [own, beside] = pair.key.map(|group| by_group[&group]);
-        let figures = shown_metrics().flat_map(|metric| {
-            [over_seeds(&pair.figure(metric.name, ""), true), p(pair.number(&p_column(metric.name)))]
-        });
-        words(own).into_iter().chain([beside.text_of(WHO).into()]).chain(figures).collect::<Vec<Value>>()
-    };
-    let columns = shown_metrics()
-        .flat_map(|metric| [Column::number(format!("{}, difference", metric.word())), Column::number("p (Holm)")]);
+    let shown_metrics = compared().rev().take(if everything { usize::MAX } else { 1 });
+    let pairs = overview.seed_pairs(everything)?;
+    let pairs: Vec<_> = pairs.iter().map(|pair| (pair, pair.key.map(|group| by_group[&group]))).collect();
+    let differences = words()
+        .of(|(_, [own, _]): &(&Row<[u32; 2]>, [&Row<u32>; 2])| *own)
+        .text("beside", |(_, [_, beside])| beside.text_of(WHO))
+        .each(
+            shown_metrics.flat_map(|metric| [(metric, false), (metric, true)]),
+            |(metric, is_p)| Column::number(if *is_p { "p".into() } else { format!("{}, difference", metric.word()) }),
+            |(metric, is_p), (pair, _)| match is_p {
+                true => p(pair.number(&p_column(metric.name))),
+                false => over_seeds(&pair.figure(metric.name, ""), true),
+            },
+        );
     let differences = Table {
         title: "Differences, paired by seed".into(),
-        head: head(std::iter::once(Column::text("beside")).chain(columns).collect()),
-        rows: overview.seed_pairs(everything)?.iter().map(difference).collect(),
         notes: vec![
             "p is Student's, two-sided, from four seeds on, with at least the spread that the counts allow, and with Holm's correction for all rows of a figure.".into(),
         ],
-        ..Table::default()
+        ..differences.table(&pairs)
     };
-    tables.push(differences);
-    tables.retain(|table| !table.rows.is_empty());
-    Ok(tables)
+    Ok([seeds, differences].into_iter().filter(|table| !table.rows.is_empty()).collect())
 }
 
 /// A mean over seeds with its interval, or of too few for one with their standard deviation.
@@ -168,91 +163,69 @@ fn over_seeds(rate: &Rate, is_difference: bool) -> Value {
 
 /// The rates of controllers, those of falsifiers, and the worst failure of each driver; without those that would be empty.
 fn tables(overview: &Overview<'_>) -> Vec<Table> {
-    let parts: Vec<&str> =
-        [DRIVER.name, TOWN.name, WORLD.name].into_iter().filter(|name| overview.varies(name)).collect();
-    let place = |driver: &String, town: &String, world: &str| {
-        let names = [(DRIVER.name, driver.as_str()), (TOWN.name, town), (WORLD.name, world)];
-        names.into_iter().filter(|(part, _)| parts.contains(part)).map(|(_, name)| name.into()).collect::<Vec<Value>>()
-    };
-    let heads = |own: &[Column]| {
-        let mut head = head(overview);
-        head.extend(parts.iter().map(|name| Column::text(*name)));
-        head.extend_from_slice(own);
-        head
-    };
-    let mut evaluated = heads(&[Column::text("pedestrian"), Column::number("runs").page_only(), Column::number("n")]);
-    evaluated.extend(compared().rev().map(|metric| Column::number(metric.word())));
-    let evaluated_rows =
-        overview.variants.iter().flat_map(|variant| variant.cells.iter().map(move |cell| (variant, cell)));
-    let evaluated_rows = evaluated_rows.map(|(variant, cell)| {
-        let (key, episodes) = (&cell.key, cell.count(&EPISODES) / cell.runs().max(1));
-        let who = if key.is_at_home() { format!("{} {}", key.controller, key.reward) } else { key.who() };
-        let mut values = first(variant, &overview.values(variant));
-        values.extend(place(&key.policy, &key.town, &key.world));
-        values.extend([who.into(), Value::Count(cell.runs().into()), Value::Count(episodes.into())]);
-        values.extend(compared().rev().map(|metric| Value::from(&cell.rate(metric))));
-        values
-    });
-    let searched = heads(&["search", "failed starts", "starts with a fault"].map(Column::text));
-    let searched_rows =
-        overview.variants.iter().flat_map(|variant| variant.searches.iter().map(move |cell| (variant, cell)));
-    let searched_rows = searched_rows.map(|(variant, cell)| {
-        let mut values = first(variant, &overview.values(variant));
-        values.extend(place(&cell.key.policy, &cell.key.town, HERE));
-        values.extend([searcher(cell).into(), failed_starts(cell), Value::average(&cell.rate(FAULT_START_RATE), 3)]);
-        values
-    });
-    let all = [(evaluated, evaluated_rows.collect()), (searched, searched_rows.collect::<Vec<_>>())];
-    let all = all.into_iter().filter(|(_, rows): &(_, Vec<_>)| !rows.is_empty());
-    let mut tables: Vec<Table> = all.map(|(head, rows)| Table { head, rows, ..Table::default() }).collect();
-    let mut head = head(overview);
-    head.extend(["driver", "worst failure"].map(Column::text));
-    head.push(Column::number("avoidable injury / 1,000"));
-    head.push(Column::text("of the scale").page_only());
-    let results =
-        overview.variants.iter().flat_map(|variant| variant.drivers.iter().map(move |result| (variant, result)));
-    let row = |(variant, result): (&Variant<'_>, &DriverResult)| {
-        let mut values = first(variant, &overview.values(variant));
-        values.push(Value::from(&result.driver.name));
-        values.extend([Value::text(result.worst_in_words()), Value::number(injury(result, variant.cells), 2)]);
-        // The baseline of each report is its own.
-        let scale = Scale::new(variant.drivers, variant.cells, variant.searches);
-        let share = scale.injury_of(result).zip(scale.head());
-        values.push(share.map_or_else(|| "–".into(), |(share, of)| format!("{share:.2} {of}").into()));
-        values
-    };
-    tables.push(Table { head, rows: results.map(row).collect(), ..Table::default() });
-    tables
+    let parts = [DRIVER.name, TOWN.name, WORLD.name];
+    let places = || parts.into_iter().enumerate().filter(|(_, part)| overview.varies(part));
+    let cells: Vec<(&Variant<'_>, &Cell)> =
+        overview.variants.iter().flat_map(|variant| variant.cells.iter().map(move |cell| (variant, cell))).collect();
+    let evaluated = reports_first(overview, |row: &(&Variant<'_>, &Cell)| row.0)
+        .each(
+            places(),
+            |(_, part)| Column::text(*part),
+            |(place, _), (_, cell)| [&cell.key.policy, &cell.key.town, &cell.key.world][*place].clone(),
+        )
+        .text("pedestrian", |(_, Cell { key, .. })| match key.is_at_home() {
+            true => format!("{} {}", key.controller, key.reward),
+            false => key.who(),
+        })
+        .column(Column::number("runs").page_only(), |(_, cell)| cell.runs())
+        .number("n", |(_, cell)| cell.count(&EPISODES) / cell.runs().max(1))
+        .each(
+            compared().rev(),
+            |metric| Column::number(metric.word()),
+            |metric, (_, cell)| Value::from(&cell.rate(metric)),
+        );
+    let searches: Vec<(&Variant<'_>, &SearchCell)> =
+        overview.variants.iter().flat_map(|variant| variant.searches.iter().map(move |cell| (variant, cell))).collect();
+    let searched = reports_first(overview, |row: &(&Variant<'_>, &SearchCell)| row.0)
+        .each(
+            places(),
+            |(_, part)| Column::text(*part),
+            |(place, _), (_, cell)| [&*cell.key.policy, &*cell.key.town, HERE][*place].to_owned(),
+        )
+        .text("search", |(_, cell)| searcher(cell))
+        .text("failed starts", |(_, cell)| failed_starts(cell))
+        .text("starts with a fault", |(_, cell)| Value::average(&cell.rate(FAULT_START_RATE), 3));
+    let results: Vec<(&Variant<'_>, &DriverResult)> = overview
+        .variants
+        .iter()
+        .flat_map(|variant| variant.drivers.iter().map(move |result| (variant, result)))
+        .collect();
+    let drivers = reports_first(overview, |row: &(&Variant<'_>, &DriverResult)| row.0)
+        .text("driver", |(_, result)| result.driver.name.clone())
+        .text("worst failure", |(_, result)| result.worst_in_words())
+        .number("avoidable injury / 1,000", |(variant, result)| Value::number(injury(result, variant.cells), 2))
+        .column(Column::text("of the scale").page_only(), |(variant, result)| {
+            // The baseline of each report is its own.
+            let scale = Scale::new(variant.drivers, variant.cells, variant.searches);
+            let share = scale.injury_of(result).zip(scale.head());
+            share.map_or_else(|| "–".into(), |(share, of)| format!("{share:.2} {of}"))
+        });
+    let all = [evaluated.table(&cells), searched.table(&searches)].into_iter().filter(|table| !table.rows.is_empty());
+    all.chain([drivers.table(&results)]).collect()
 }
 
-/// The columns that tell the reports apart.
-fn head(overview: &Overview<'_>) -> Vec<Column> {
-    // Without parameters only the reports tell the rows apart.
+/// The report of a row, and the values of its parameters. Without parameters only the reports tell the rows apart.
+fn reports_first<'t, R: 't>(overview: &'t Overview<'t>, variant: fn(&R) -> &'t Variant<'t>) -> Selection<'t, R> {
     let report = Column::text("report");
-    let mut head = vec![if overview.parameters.is_empty() { report } else { report.page_only() }];
-    head.extend(overview.parameters.iter().map(|name| Column::text(*name).key()));
-    head
-}
-
-/// The values of these columns.
-fn first(variant: &Variant<'_>, parameters: &[Option<String>]) -> Vec<Value> {
-    let report = &variant.report;
-    let link = Value::Text(report.clone(), Mark::Link(format!("{}/report.html", address(report))));
-    std::iter::once(link).chain(parameters.iter().map(|value| Value::from(value.as_deref().unwrap_or("–")))).collect()
-}
-
-/// A folder's name in a relative address.
-fn address(name: &str) -> String {
-    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-_.~=,+".contains(byte);
-    name.bytes().map(|byte| if plain(&byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_is_a_part_of_an_address() {
-        assert_eq!(address("a=1 b"), "a=1%20b");
-    }
+    let report = if overview.parameters.is_empty() { report } else { report.page_only() };
+    Selection::new()
+        .column(report, move |row| {
+            let report = &variant(row).report;
+            Value::Text(report.clone(), Mark::Link(format!("{}/report.html", base::files::address(report, b"-_.~=,+"))))
+        })
+        .each(
+            overview.parameters.iter().enumerate(),
+            |(_, name)| Column::text(**name).key(),
+            move |(place, _), row| overview.values(variant(row))[*place].clone().unwrap_or_else(|| "–".into()),
+        )
 }

@@ -31,7 +31,6 @@ impl Sampled {
 pub struct Point {
     /// Its place in the unit box.
     pub at: Vec<f64>,
-    /// Whether it failed.
     pub failed: bool,
     /// Why it was tried.
     pub sampled: Sampled,

@@ -88,7 +88,6 @@ impl<'a> EpisodeView<'a> {
         (self.low, self.size)
     }
 
-    /// The frame at a tick.
     pub fn frame(&self, tick: usize) -> &Frame {
         &self.frames[tick]
     }

@@ -50,7 +50,6 @@ impl Players {
         self.all.get(name)
     }
 
-    /// All of them, by name.
     pub fn iter(&self) -> impl Iterator<Item = (&String, &Replay)> {
         self.all.iter()
     }

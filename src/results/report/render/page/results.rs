@@ -55,7 +55,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                  The bar is Wilson's 95 % interval over the starts, which the runs share. It shows what more starts of these trainings would show, \
                  not what more trainings would show. “±” is the standard deviation over runs. "
                 em { "Preventable" }
-                ": both careful human drivers would have avoided it. "
+                ": all careful drivers would have avoided it. "
                 em { "Fault" }
                 ": preventable, with a foreseeable pedestrian, not walked into, at walking pace or more, and not narrowly. Pedestrians of a place meet the same starts. \
                  Untrained pedestrians do the same for every reward, so they are here once."

@@ -37,7 +37,6 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds episodes of a cell.
     pub fn add(&mut self, key: &CellKey, episodes: &EpisodeTable<'_>) {
         let around = self.around.entry(key.clone()).or_default();
         for row in episodes.rows().filter(|row| episodes.counts(*row)) {

@@ -66,7 +66,6 @@ pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[String],
     }
 }
 
-/// The card of a failure.
 pub fn card(found: &Failure) -> PlayerCard {
     PlayerCard {
         title: match &found.violation {

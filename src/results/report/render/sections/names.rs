@@ -4,7 +4,6 @@ use crate::record::in_block;
 use crate::report::render::table::Selection;
 use crate::tables::{Cell, Cells};
 
-/// What names a cell.
 pub fn names(cells: &Cells) -> Selection<'_, Cell> {
     Selection::new()
         .text("pedestrian", |cell: &Cell| cell.key.controller.clone())

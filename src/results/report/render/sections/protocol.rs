@@ -265,7 +265,8 @@ fn played(cell: &ProtocolCell) -> Value {
     };
     match cell.not_passed_at_most() {
         Some(most) => {
-            let sure = format!("{} of {}: at most {} (95 %, one-sided)", cell.not_passed, cell.episodes, percent_above(most));
+            let sure =
+                format!("{} of {}: at most {} (95 %, one-sided)", cell.not_passed, cell.episodes, percent_above(most));
             Value::Lines(vec![worst, sure.into()])
         }
         None => worst,

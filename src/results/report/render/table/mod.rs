@@ -210,7 +210,6 @@ pub enum Depth {
     First,
     /// In the summary and on the page.
     Summary,
-    /// On the page.
     Page,
 }
 

@@ -81,7 +81,6 @@ impl Value {
         Self::Text(words.into(), Mark::Warning)
     }
 
-    /// The name of a failure.
     pub fn failure(name: impl Into<String>) -> Self {
         Self::Text(name.into(), Mark::Failure)
     }
