@@ -19,5 +19,7 @@ mod interfuser_reference;
 mod lav;
 mod lav_driving;
 mod lav_reference;
+mod pufferdrive;
+mod pufferdrive_reference;
 
 use repository::repository;

@@ -284,6 +284,11 @@ pub fn slow_model(span: Span, path: &str, seconds: f64) -> Diagnostic {
         .help("use a smaller network, or one without loops and wide layers")
 }
 
+/// A file does not hold the published weights.
+pub fn other_weights(span: Span, path: &str) -> Diagnostic {
+    Diagnostic::warning("other-weights", span, format!("`{path}` does not hold the published weights"))
+}
+
 /// A network takes too much memory or time.
 pub fn untrusted_model(span: Span, path: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"))
