@@ -9,6 +9,8 @@ mod gzip;
 mod reference;
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/samples.rs"]
+mod samples;
 #[path = "../common/streets.rs"]
 mod streets;
 
@@ -20,6 +22,7 @@ mod lav;
 mod lav_driving;
 mod lav_reference;
 mod pufferdrive;
+mod pufferdrive_driving;
 mod pufferdrive_reference;
 
 use repository::repository;

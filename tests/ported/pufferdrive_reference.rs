@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use crate::reference;
 use needs::needs;
-use ported::pufferdrive::{Network, Observation, RoadMap, action, control, polylines};
-use road::geometry::{OrientedBox, Point, Pose, Vector};
-use road::opendrive;
+use ported::pufferdrive::{Network, Observation, Polyline, RoadMap, action, control, polylines};
+use road::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
+use road::{Town, opendrive};
 use serde_json::Value;
 use world::av::Actor;
-use world::sim::{ActorId, VehicleBlueprint, VehicleState};
+use world::sim::{ActorId, ThrottleLine, VehicleBlueprint, VehicleState};
 
 /// Half extents of its car (m).
 const HALF: Vector = Vector::new(1.575, 0.7);
@@ -17,7 +17,7 @@ const HALF: Vector = Vector::new(1.575, 0.7);
 const STEP: f64 = 0.1;
 
 /// The files of a folder whose path ends so.
-fn files(folder: &Path, end: &str) -> Vec<PathBuf> {
+pub fn files(folder: &Path, end: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
@@ -32,7 +32,7 @@ fn files(folder: &Path, end: &str) -> Vec<PathBuf> {
 }
 
 /// The examples, each with the weights beside them.
-fn examples() -> Vec<(Value, Network)> {
+pub fn examples() -> Vec<(Value, Network)> {
     let read = |path: PathBuf| {
         let document = serde_json::from_str(&std::fs::read_to_string(&path).expect("the file is there"));
         let weights = std::fs::read(path.with_file_name("weights.bin")).expect("weights lie beside the examples");
@@ -69,10 +69,15 @@ fn state(value: &Value) -> [f32; 256] {
     if value.is_number() { [0.0; 256] } else { floats(value).try_into().expect("the state has 256 numbers") }
 }
 
-fn map(document: &Value) -> RoadMap {
-    let point = |pair: &Value| Point::new(number(&pair[0]), number(&pair[1]));
+/// The map of the examples, moved.
+fn lines(document: &Value, by: Vector) -> Vec<Polyline> {
+    let point = |pair: &Value| Point::new(number(&pair[0]), number(&pair[1])) + by;
     let line = |line: &Value| (number(&line[0]) as u8, list(&line[1]).iter().map(point).collect());
-    RoadMap::new(&list(&document["map"]).iter().map(line).collect::<Vec<_>>())
+    list(&document["map"]).iter().map(line).collect()
+}
+
+fn map(document: &Value) -> RoadMap {
+    RoadMap::new(&lines(document, Vector::zeros()))
 }
 
 fn car(state: &Value) -> Actor {
@@ -145,8 +150,8 @@ fn observations_agree_with_the_reference() {
 }
 
 /// A car that turns as that of PufferDrive, without what CARLA's cars have besides.
-fn small_car() -> VehicleBlueprint {
-    let line = |throttle, at_rest| world::sim::ThrottleLine { throttle, at_rest, slope: 0.0 };
+pub fn small_car() -> VehicleBlueprint {
+    let line = |throttle, at_rest| ThrottleLine { throttle, at_rest, slope: 0.0 };
     VehicleBlueprint {
         wheelbase: 3.15,
         greatest_wheel_angle: 1.1,
@@ -192,9 +197,9 @@ fn traces_agree_with_the_reference() {
                 // Ours moves by the speed before the tick.
                 let car = VehicleState { pose: Pose::new(0.0, 0.0, before), speed, ..VehicleState::default() };
                 let moved = car.step(control(action(number), &small_car(), speed.max(0.0)), &small_car(), STEP);
-                assert!((road::geometry::wrap_angle(moved.pose.yaw - before - turn)).abs() < 1e-9);
+                assert!((wrap_angle(moved.pose.yaw - before - turn)).abs() < 1e-9);
                 let sideways = moved.pose.y.atan2(moved.pose.x) - before - slip;
-                assert!(speed < 0.1 || road::geometry::wrap_angle(sideways).abs() < 0.02, "{sideways}");
+                assert!(speed < 0.1 || wrap_angle(sideways).abs() < 0.02, "{sideways}");
                 steps += 1;
             }
         }
@@ -203,51 +208,46 @@ fn traces_agree_with_the_reference() {
     assert!(steps > 0 && goals > 0);
 }
 
+/// How far the pieces of a kind are beside those of another map of the same direction (m), in the order of their distances.
+fn beside(pieces: &[Polyline], others: &[Polyline], kind: u8) -> Vec<f64> {
+    let of = |map: &[Polyline]| -> Vec<[Point; 2]> {
+        let lines = map.iter().filter(|line| line.0 == kind);
+        lines.flat_map(|line| line.1.windows(2).map(|pair| [pair[0], pair[1]])).collect()
+    };
+    let others = of(others);
+    let distance = |[from, to]: [Point; 2]| {
+        let (middle, way) = (from + (to - from) / 2.0, to - from);
+        let along = others.iter().map(|[from, to]| (middle - from, to - from));
+        let same = along.filter(|(_, along)| along.dot(&way) > 0.5 * along.norm() * way.norm());
+        let apart = same.map(|(offset, along)| {
+            let share = (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            (offset - along * share).norm()
+        });
+        apart.fold(f64::INFINITY, f64::min)
+    };
+    let mut distances: Vec<f64> = of(pieces).into_iter().map(distance).collect();
+    distances.sort_by(f64::total_cmp);
+    distances
+}
+
+/// The map that is cut from Town02 has the lanes, lines and edges of the one that the policy learnt on, edges with the road on the same side. One
+/// turning lane has another course in it, and one piece of an edge is missing.
 #[needs(reference = "pufferdrive examples.json")]
 #[needs(reference = "maps town02.xodr")]
 #[test]
 fn the_map_of_a_town_is_that_of_the_reference() {
     let path = files(&reference::folder(), "maps/town02.xodr").remove(0);
-    let town = road::Town::new(opendrive::read(&std::fs::read_to_string(path).unwrap(), "Town02").unwrap());
+    let town = Town::new(opendrive::read(&std::fs::read_to_string(path).unwrap(), "Town02").unwrap());
     let ours = polylines(&town);
-    let pieces = |kind: u8| ours.iter().filter(|line| line.0 == kind).map(|line| line.1.len() - 1).sum::<usize>();
-    loud!("{:?}", [pieces(0), pieces(1), pieces(2)]);
     for (document, _) in examples() {
         let mean = Vector::new(number(&document["mean_subtracted"][0]), number(&document["mean_subtracted"][1]));
-        let point = |pair: &Value| Point::new(number(&pair[0]), number(&pair[1])) + mean;
-        let theirs: Vec<(u8, Vec<Point>)> = list(&document["map"])
-            .iter()
-            .map(|line| (number(&line[0]) as u8, list(&line[1]).iter().map(point).collect()))
-            .collect();
-        for (a, b, name) in [(&ours, &theirs, "ours"), (&theirs, &ours, "theirs")] {
-            for kind in 0..3 {
-                let mut far: Vec<(f64, Point)> = Vec::new();
-                for (_, line) in a.iter().filter(|line| line.0 == kind) {
-                    for pair in line.windows(2) {
-                        let (middle, way) = (pair[0] + (pair[1] - pair[0]) / 2.0, pair[1] - pair[0]);
-                        let near = b
-                            .iter()
-                            .filter(|line| line.0 == kind)
-                            .flat_map(|line| line.1.windows(2))
-                            .map(|pair| {
-                                let (to, offset) = (pair[1] - pair[0], middle - pair[0]);
-                                if to.dot(&way) <= 0.5 * to.norm() * way.norm() {
-                                    return f64::INFINITY;
-                                }
-                                (offset - to * (offset.dot(&to) / to.norm_squared()).clamp(0.0, 1.0)).norm()
-                            })
-                            .fold(f64::INFINITY, f64::min);
-                        far.push((near, middle));
-                    }
-                }
-                far.sort_by(|a, b| b.0.total_cmp(&a.0));
-                loud!(
-                    "{name} {kind}: {} pieces, over 0.5: {}, over 1: {}, worst {:?}",
-                    far.len(),
-                    far.iter().filter(|f| f.0 > 0.5).count(),
-                    far.iter().filter(|f| f.0 > 1.0).count(),
-                    &far[..5.min(far.len())]
-                );
+        let theirs = lines(&document, mean);
+        for (kind, near) in [(0, 0.5), (1, 0.3), (2, 0.2)] {
+            for (name, distances) in [("ours", beside(&ours, &theirs, kind)), ("theirs", beside(&theirs, &ours, kind))]
+            {
+                let far = distances.iter().filter(|distance| **distance > near).count();
+                loud!("PufferDrive: kind {kind}, {name}: {} pieces, {far} over {near} m", distances.len());
+                assert!(far <= [6, 0, 1][usize::from(kind)], "{distances:?}");
             }
         }
     }

@@ -8,7 +8,7 @@ mod observation;
 mod network;
 mod driver;
 
-pub use driver::{PufferDrive, PufferDriveKeys, action, control};
+pub use driver::{Pedestrians, PufferDrive, PufferDriveKeys, action, control};
 pub use network::{BLAKE3, Network, ORIGIN};
 pub use observation::Observation;
 pub use road_map::{Polyline, RoadMap, polylines};
