@@ -198,7 +198,7 @@ fn traces_agree_with_the_reference() {
                 let car = VehicleState { pose: Pose::new(0.0, 0.0, before), speed, ..VehicleState::default() };
                 let moved = car.step(control(action(number), &small_car(), speed.max(0.0)), &small_car(), STEP);
                 assert!((wrap_angle(moved.pose.yaw - before - turn)).abs() < 1e-9);
-                let sideways = moved.pose.y.atan2(moved.pose.x) - before - slip;
+                let sideways = libm::atan2(moved.pose.y, moved.pose.x) - before - slip;
                 assert!(speed < 0.1 || wrap_angle(sideways).abs() < 0.02, "{sideways}");
                 steps += 1;
             }

@@ -3,10 +3,6 @@ use std::collections::BTreeMap;
 use road::geometry::{OrientedBox, Point, Pose, Vector};
 use road::{Town, Waypoint};
 
-/// Size of a cell (m).
-const CELL: f64 = 5.0;
-/// Rings of cells in which an edge may touch the ego: pieces of up to 16 m belong to the cell of their middle.
-const NEAR: i64 = 3;
 /// The best distance of a goal (m).
 const AHEAD: f64 = 30.0;
 
@@ -14,11 +10,14 @@ const AHEAD: f64 = 30.0;
 /// 2 an edge of the road, which is to the right of it.
 pub type Polyline = (u8, Vec<Point>);
 
-/// A map as PufferDrive looks at it: pairs of consecutive points in the cells of a grid.
+/// Two consecutive points.
+pub(super) type Piece = (u8, [Point; 2]);
+
+/// A map as PufferDrive looks at it: pieces in the cells of a grid.
 #[derive(Debug)]
 pub struct RoadMap {
     corners: [Point; 2],
-    cells: BTreeMap<(i64, i64), Vec<(u8, [Point; 2])>>,
+    cells: BTreeMap<(i64, i64), Vec<Piece>>,
     lane_points: Vec<Point>,
 }
 
@@ -40,13 +39,14 @@ impl RoadMap {
         map
     }
 
+    /// The cell of a place: 5 m wide, from the lowest corner on.
     fn cell(&self, place: Point) -> (i64, i64) {
-        let cell = ((place - self.corners[0]) / CELL).map(f64::floor);
+        let cell = ((place - self.corners[0]) / 5.0).map(f64::floor);
         (cell.x as i64, cell.y as i64)
     }
 
     /// The pieces around a place, in a square spiral of cells with this number of rings; none off the grid.
-    pub(super) fn around(&self, place: Point, rings: i64) -> impl Iterator<Item = &(u8, [Point; 2])> {
+    pub(super) fn around(&self, place: Point, rings: i64) -> impl Iterator<Item = &Piece> {
         let (at, last) = (self.cell(place), self.cell(self.corners[1]));
         let is_on_grid = (0..=last.0).contains(&at.0) && (0..=last.1).contains(&at.1);
         let sides = (0..=4 * rings).filter(move |_| is_on_grid).flat_map(move |side| {
@@ -68,10 +68,10 @@ impl RoadMap {
         ahead.min_by(|a, b| miss(a).total_cmp(&miss(b))).map_or(here + heading * AHEAD, |point| *point)
     }
 
-    /// Whether an edge of the road meets a rectangle.
+    /// Whether an edge of the road meets a car. Pieces of up to 16 m belong to the cell of their middle.
     pub fn touches_edge(&self, outline: &OrientedBox) -> bool {
-        let mut edges = self.around(outline.pose.position(), NEAR).filter(|(kind, _)| *kind == 2);
-        edges.any(|(_, [from, to])| outline.is_crossed_by(*from, *to))
+        let mut near = self.around(outline.pose.position(), 3);
+        near.any(|(kind, [from, to])| *kind == 2 && outline.is_crossed_by(*from, *to))
     }
 }
 
