@@ -9,6 +9,7 @@ use base::signature::{Arguments, Keys};
 use episode::BridgeKeys;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
+use ported::pufferdrive::{BLAKE3, Network, ORIGIN, PufferDrive, PufferDriveKeys};
 use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys};
@@ -112,5 +113,23 @@ pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Fr
     Some(Arc::new(move |_: &Arguments| {
         let model = model.clone();
         Arc::new(move || Box::new(Onnx::new(worlds, model.clone())))
+    }))
+}
+
+/// PufferDrive's policy with weights from a file.
+pub fn pufferdrive(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
+    let PufferDriveKeys { weights: path, .. } = declaration.block.keys();
+    let (place, file) = (declaration.block.place("weights"), lowering.beside(declaration, &path));
+    let bytes = lowering.read.bytes(&file).map_err(|error| reason(&error));
+    let network = bytes.and_then(|bytes| Ok((blake3::hash(&bytes), Network::read(&bytes)?)));
+    let unusable = |reason: String| diagnostics::unusable_model(place, &path, &reason, false).help(ORIGIN);
+    let (digest, network) = network.map_err(|reason| lowering.said.push(unusable(reason))).ok()?;
+    if digest.to_hex().as_str() != BLAKE3 {
+        lowering.said.push(diagnostics::other_weights(place, &path).help(ORIGIN));
+    }
+    let network = Arc::new(network);
+    Some(Arc::new(move |arguments: &Arguments| {
+        let (network, keys) = (network.clone(), PufferDriveKeys::read(arguments));
+        Arc::new(move || Box::new(PufferDrive::new(network.clone(), keys.clone())))
     }))
 }

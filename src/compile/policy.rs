@@ -12,6 +12,7 @@ use lang::hir::{Block, Declaration};
 use ported::behavior_agent::BehaviorAgent;
 use ported::interfuser::InterFuser;
 use ported::lav::Lav;
+use ported::pufferdrive::PufferDriveKeys;
 use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
 use world::av::sensors::{SensorKeys, SensorModel, SensorWrapper};
@@ -33,6 +34,7 @@ pub fn kinds() -> Vec<PolicyKind> {
         PolicyKind::new(Native::new).with_sight(Sight::Blind),
         PolicyKind::outside::<ExternalKeys>(outside::external),
         PolicyKind::outside::<OnnxKeys>(outside::onnx),
+        PolicyKind::outside::<PufferDriveKeys>(outside::pufferdrive).with_sight(Sight::ThroughWalls),
     ]
 }
 

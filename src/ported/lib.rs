@@ -3,3 +3,4 @@
 pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
+pub mod pufferdrive;

@@ -1,3 +1,5 @@
+use std::any::{Any, TypeId};
+use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -49,6 +51,7 @@ pub struct Town {
     pub(super) index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
     route_planners: Mutex<Vec<Arc<RoutePlanner>>>,
+    derived: Mutex<BTreeMap<TypeId, Arc<dyn Any + Send + Sync>>>,
 }
 
 impl Deref for Town {
@@ -81,6 +84,7 @@ impl Town {
             index: LaneIndex::default(),
             driving_lanes,
             route_planners: Mutex::default(),
+            derived: Mutex::default(),
         }
     }
 
@@ -251,6 +255,13 @@ impl Town {
         let planner = Arc::new(RoutePlanner::new(self, sampling));
         planners.push(Arc::clone(&planner));
         planner
+    }
+
+    /// What a driver makes of the town, made on the first call for each type.
+    pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
+        let mut derived = self.derived.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = derived.entry(TypeId::of::<T>()).or_insert_with(|| Arc::new(make(self)));
+        known.clone().downcast().expect("it is stored under its type")
     }
 
     /// Opposite corners of the smallest upright rectangle around all lanes and obstacles: the south-west one and the

@@ -9,6 +9,8 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
 use episode::{Controller, Draw, Observer, Placement, Trace, VehicleRole, carry_out};
+use lang::Reader;
+use rand::RngExt;
 use world::sim::WalkCommand;
 
 use crate::cast::{ahead, away, two_and_two};
@@ -56,6 +58,7 @@ requirement every_signal = always(
 )
 driver squinting = aeb(sensors: poor)
 driver lav_eyed = idm(sensors: lav_eyes)
+driver self_play = pufferdrive(weights: "policy.bin", pedestrians: to_wheel)
 campaign ticks {
   vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   requirements: [
@@ -66,17 +69,32 @@ campaign ticks {
     towns: [village]  pedestrians: [intercept]
     drivers: [
       behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, idm, blind,
-      aeb, rss, predictive, oracle, late_oracle, careful_human, squinting, lav_eyed
+      aeb, rss, predictive, oracle, late_oracle, careful_human, squinting, lav_eyed, self_play
     ]
   }
 }
 "#;
 
+/// Reads the scenario above as `ticks.scn`, and the weights of a network without training as `policy.bin`.
+struct Files;
+
+impl Reader for Files {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        if path.ends_with("ticks.scn") { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) }
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        let mut stream = Seed::root(1).stream();
+        let mut weight = || (stream.random::<f32>() - 0.5).to_le_bytes();
+        let is_policy = path.ends_with("policy.bin");
+        if is_policy { Ok((0..614_172).flat_map(|_| weight()).collect()) } else { std::fs::read(path) }
+    }
+}
+
 #[test]
 fn a_tick_allocates_nothing_with_any_driver() {
     let root = crate::repository().join("scenarios/ticks.scn");
-    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
-    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &Files, &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap();
     for evaluation in plan.campaigns[0].all::<compile::Evaluation>() {
         let mut env = evaluation.scenario.simulation();

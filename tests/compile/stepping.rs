@@ -107,8 +107,9 @@ fn value(param: &Param, a: u16, b: u16) -> Option<String> {
 /// A declaration of a form: of one of its kinds, with some of its keys.
 fn declaration(form: &Form, name: &str, kind: u16, keys: &[(u16, u16, u16)]) -> String {
     // Kinds that need something outside the program, a straight lane or a path need more than values.
-    let needy =
-        |kind: &&Signature| matches!(kind.name, "external" | "onnx" | "crossing_test" | "along_test" | "given_path");
+    let needy = |kind: &&Signature| {
+        matches!(kind.name, "external" | "onnx" | "pufferdrive" | "crossing_test" | "along_test" | "given_path")
+    };
     let kinds: Vec<&Signature> = form.kinds.iter().filter(|kind| !needy(kind)).collect();
     let (head, signature) = match &form.plain {
         Some(plain) if kinds.is_empty() || kind.is_multiple_of(4) => (format!("{} {name}", form.name), plain),

@@ -22,6 +22,7 @@ use episode::{Ending, Outcome, Trace, WORLD_PROTOCOL};
 use falsify::session::{Input, RunOptions, Session};
 use lang::Reader;
 use learn::ActorCritic;
+use rand::RngExt;
 use results::campaign::{self, NoStore, Silent, Task};
 use results::jobs::{SearchResult, TrainingResult, watch};
 use results::record::{EpisodeRow, RunKey};
@@ -164,7 +165,7 @@ impl Link for InsideLink {
     }
 }
 
-/// Reads one text as `keys.scn`, two maps, two networks that drive, two that walk, and networks of a training.
+/// Reads one text as `keys.scn`, two maps, four networks that drive, two that walk, and networks of a training.
 struct Files(String);
 
 impl Reader for Files {
@@ -189,6 +190,8 @@ impl Reader for Files {
                 bytes[place..place + 4].copy_from_slice(&2.0_f32.to_le_bytes());
                 Ok(bytes)
             }
+            Some("policy.bin") => Ok(POLICIES[0].clone()),
+            Some("other.bin") => Ok(POLICIES[1].clone()),
             Some("walker.onnx") => Ok(walker(1)),
             Some("stroller.onnx") => Ok(walker(2)),
             Some("start.safetensors") => Ok(networks(3, &[64, 64]).to_safetensors(&BTreeMap::new())),
@@ -196,6 +199,14 @@ impl Reader for Files {
         }
     }
 }
+
+/// The weights of two networks without training that drive as PufferDrive's policy.
+static POLICIES: LazyLock<[Vec<u8>; 2]> = LazyLock::new(|| {
+    [1, 2].map(|seed| {
+        let mut stream = Seed::root(seed).stream();
+        (0..614_172).flat_map(|_| (stream.random::<f32>() - 0.5).to_le_bytes()).collect()
+    })
+});
 
 /// A network without training that controls a pedestrian.
 fn walker(seed: u64) -> Vec<u8> {

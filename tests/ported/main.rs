@@ -9,6 +9,8 @@ mod gzip;
 mod reference;
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/samples.rs"]
+mod samples;
 #[path = "../common/streets.rs"]
 mod streets;
 
@@ -19,5 +21,8 @@ mod interfuser_reference;
 mod lav;
 mod lav_driving;
 mod lav_reference;
+mod pufferdrive;
+mod pufferdrive_driving;
+mod pufferdrive_reference;
 
 use repository::repository;

@@ -48,6 +48,7 @@ diagnostics! {
         .help("`at` is the middle of the lane where the limit begins");
     unusable_command(command: &str, reason: &str) = error("unusable-command", "cannot use the command `{command}`: {reason}")
         .help("the command is split at blanks; single quotes keep blanks together; no shell runs it");
+    other_weights(path: &str) = warning("other-weights", "`{path}` does not hold the published weights");
     slow_model(path: &str, seconds: f64) = warning("slow-model", "the model `{path}` takes {seconds:.1} s for a decision")
         .here(format!("an episode with 600 of them takes {:.0} minutes", seconds * 10.0))
         .help("use a smaller network, or one without loops and wide layers");
