@@ -6,9 +6,14 @@
 use std::f64::consts::PI;
 use std::fmt;
 
-/// Powers of metre, second, radian and kilogram.
+/// Powers of metre, second, radian and kilogram. Its debug form is a part of fingerprints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Dimension([i8; 4]);
+pub struct Dimension {
+    metre: i8,
+    second: i8,
+    radian: i8,
+    kilogram: i8,
+}
 
 /// What the powers of a [`Dimension`] are of.
 const BASES: [&str; 4] = ["m", "s", "rad", "kg"];
@@ -23,7 +28,7 @@ macro_rules! dimensions {
         }
 
         impl Dimension {
-            $($(#[$doc])+ pub const $NAME: Self = Self($powers);)*
+            $($(#[$doc])+ pub const $NAME: Self = Self::new($powers);)*
 
             /// Those with a name, each with the units that a user would write for it.
             const NAMED: &[(Self, &str, &[&str])] = &[$((Self::$NAME, $name, &$units)),*];
@@ -55,16 +60,25 @@ dimensions! {
 }
 
 impl Dimension {
-    fn combined(mut self, other: Self, of: impl Fn(i8, i8) -> Option<i8>) -> Option<Self> {
-        for (own, other) in self.0.iter_mut().zip(other.0) {
+    const fn new([metre, second, radian, kilogram]: [i8; 4]) -> Self {
+        Self { metre, second, radian, kilogram }
+    }
+
+    fn powers(self) -> [i8; 4] {
+        [self.metre, self.second, self.radian, self.kilogram]
+    }
+
+    fn combined(self, others: [i8; 4], of: impl Fn(i8, i8) -> Option<i8>) -> Option<Self> {
+        let mut powers = self.powers();
+        for (own, other) in powers.iter_mut().zip(others) {
             *own = of(*own, other)?;
         }
-        Some(self)
+        Some(Self::new(powers))
     }
 
     /// The dimension of a product; `None` if a power leaves the range of a byte.
     pub fn times(self, other: Self) -> Option<Self> {
-        self.combined(other, i8::checked_add)
+        self.combined(other.powers(), i8::checked_add)
     }
 
     /// The dimension of a quotient; `None` if a power leaves the range of a byte.
@@ -74,12 +88,12 @@ impl Dimension {
 
     /// The dimension of a power; `None` if it leaves the range of a byte.
     pub fn to_the(self, power: i8) -> Option<Self> {
-        self.combined(Self([power; 4]), i8::checked_mul)
+        self.combined([power; 4], i8::checked_mul)
     }
 
     /// The dimension of a square root; `None` if a power is odd.
     pub fn root(self) -> Option<Self> {
-        self.combined(self, |power, _| (power % 2 == 0).then_some(power / 2))
+        self.combined([0; 4], |power, _| (power % 2 == 0).then_some(power / 2))
     }
 
     fn named(self) -> Option<&'static (Self, &'static str, &'static [&'static str])> {
@@ -98,7 +112,7 @@ impl fmt::Display for Dimension {
         if let Some((_, name, _)) = self.named() {
             return f.write_str(name);
         }
-        let powers = BASES.iter().zip(self.0).filter(|(_, power)| *power != 0);
+        let powers = BASES.iter().zip(self.powers()).filter(|(_, power)| *power != 0);
         let text = powers.map(|(base, power)| if power == 1 { base.to_string() } else { format!("{base}^{power}") });
         write!(f, "quantity in {}", text.collect::<Vec<_>>().join(" "))
     }
