@@ -378,3 +378,24 @@ fn cells_and_reports_may_be_on_two_file_systems_and_a_kill_leaves_whole_reports(
         assert_eq!(names(&here.join(out)), [".falsify", "shared"]);
     }
 }
+
+/// Two blocks with the same episodes share their task: what one of them made was not stored before.
+#[test]
+fn what_two_blocks_of_a_run_share_was_made_by_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"edition 1
+import "std/pedestrians.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
+episode e { ticks: 60  hold: 10 }
+campaign c { vehicle: model3  body: pursuer  spawn: near  episode: e
+  evaluate { towns: [harbour]  drivers: [idm]  pedestrians: [intercept]  episodes: 10 }
+  evaluate { towns: [harbour]  drivers: [idm, blind]  pedestrians: [intercept]  episodes: 12 } }
+"#;
+    std::fs::write(folder.path().join("twice.scn"), text).unwrap();
+    let run = falsify(&["run", "twice.scn"], folder.path());
+    assert!(run.status.success() && !error(&run).contains("stored before"), "{}", error(&run));
+    let again = falsify(&["run", "twice.scn"], folder.path());
+    assert!(error(&again).contains("3 of 3 results were stored before"), "{}", error(&again));
+}

@@ -34,7 +34,7 @@ pub struct CampaignStore<'a> {
     /// The tasks whose stored results are not used, until they are made again.
     renewed: Mutex<BTreeSet<Task>>,
     /// The tasks of which this process has stored something, and those of which it found something that it has not stored.
-    made: Mutex<BTreeSet<Task>>,
+    made: Mutex<BTreeSet<Id>>,
     reused: Mutex<BTreeSet<Task>>,
     /// Wall time of every job (s).
     seconds: Mutex<Vec<f64>>,
@@ -161,7 +161,7 @@ impl ResultStore for CampaignStore<'_> {
                 (Header { state: State::Begun, ..header }, bytes)
             }
         };
-        if !lock(&self.made).contains(&task) {
+        if !lock(&self.made).contains(&self.id(task)) {
             lock(&self.reused).insert(task);
         }
         if let Some(in_hand) = lock(&self.in_hand).get_mut(&task) {
@@ -180,7 +180,7 @@ impl ResultStore for CampaignStore<'_> {
         let seconds = lock(&self.in_hand).get(&task).map_or(0.0, in_hand);
         lock(&self.seconds)[task.job] = seconds;
         lock(&self.renewed).remove(&task);
-        lock(&self.made).insert(task);
+        lock(&self.made).insert(self.id(task));
         let Stored { state, done, error, bytes } = stored;
         let what = task_name(self.campaign, task);
         let header =

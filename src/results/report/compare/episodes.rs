@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use polars::prelude::{
     Column as Values, DataFrame, DataType, Expr, IntoLazy, JoinArgs, JoinType, MaintainOrderJoin, NamedFrom,
-    PolarsResult, Series, col, lit,
+    PolarsError, PolarsResult, Series, col, lit,
 };
 
 use super::matching::{Incomparable, Side};
@@ -87,6 +87,9 @@ impl<'a> SideEpisodes<'a> {
         let counts = (metrics::EPISODES.part)().and(col(START.name).neq(lit("")));
         let touches = self.touches.beside(run, rows)?.filter(counts);
         let mut episodes = touches.select(columns.into_iter().chain(flags).collect::<Vec<_>>()).collect()?;
+        if episodes.height() > rows.height() {
+            return Err(PolarsError::Duplicate("a failure has two rows".into()));
+        }
         let numbers: Vec<u32> = EPISODE.read(&episodes)?.into_no_null_iter().collect();
         for event in events {
             let Some(violated) = event.requirement.as_ref().and_then(|name| self.violations.get(name)) else {
