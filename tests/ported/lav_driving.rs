@@ -143,7 +143,7 @@ fn it_brakes_where_the_documentation_says() {
         (stands(30.0, 1.9), Stops(8.43, 4.18), Stops(8.56, 5.39)),
         (stands(30.0, 2.1), Stops(5.65, 1.37), Stops(5.79, 2.57)),
         (stands(30.0, 3.0), Passes(1.75), Passes(1.75)),
-        (crosses(15.0, 3.5), Stops(7.67, 3.14), Stops(8.51, 5.48)),
+        (crosses(15.0, 3.5), Stops(7.67, 3.143), Stops(8.51, 5.48)),
         (crosses(12.0, 3.5), Stops(5.58, 0.81), Stops(7.73, 4.44)),
         (crosses(10.0, 3.5), Hits(2.34), Stops(5.82, 2.44)),
         (crosses(8.0, 3.5), Hits(6.62), Stops(4.77, 1.04)),
