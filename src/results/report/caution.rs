@@ -63,7 +63,7 @@ pub fn cautions(cells: &Cells, results: &[SearchResult], searches: &[SearchCell]
     off_road(cells, results).into_iter().map(Caution::OffRoad).chain(no_chance(cells)).chain(empty).collect()
 }
 
-/// The towns in which nearly all collisions are beyond careful drivers, whoever drives. A baseline that sees no pedestrian collides also where others
+/// The towns in which nearly all collisions are beyond careful drivers, for every driver under test. A baseline that sees no pedestrian collides also where others
 /// would not, so beside one there is seldom such a town.
 fn no_chance(cells: &Cells) -> Vec<Caution> {
     const COUNTS: [&Metric; 3] = [&COLLISIONS, &MACHINE_PREVENTABLE_COLLISIONS, &UNPREVENTABLE_COLLISIONS];
