@@ -13,7 +13,7 @@ use episode::walker::{
 };
 use episode::{
     ActionSpec, Controller, Criterion, Destination, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer,
-    Outcome, PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out, evaluate, follow, play,
+    Outcome, PedestrianRole, Phase, Placement, Scenario, Trace, VehicleRole, carry_out, evaluate, follow, play,
 };
 use learn::{Agent, Credit, Env, Policies, PpoConfig};
 use road::geometry::{Obstacles, Point, Pose};
@@ -255,6 +255,62 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     // The second car drives behind and forms a pair of its own.
     let other = trace.pair(&scenario, 1, 1);
     assert!(other.contact.is_none() && other.frame(0).ego.pose == behind.pose);
+}
+
+/// The car does not look. One walks into its flank at x = 80 m, and another stands in its lane at `x` (m).
+fn flank_and_lane(x: f64) -> Arc<Scenario> {
+    let beside = ActorStart::standing(Pose::new(80.0, LANE - 3.7, 0.0));
+    let north = WalkCommand { heading: std::f64::consts::FRAC_PI_2, speed: 1.0 };
+    let mut scenario = two_and_two("blind", ("blind", away()), (beside, Controller::Fixed(north)));
+    scenario.spawn.bearing = Distribution::Constant(0.0);
+    scenario.spawn.distance = Distribution::Constant(x - 60.0);
+    Arc::new(scenario)
+}
+
+#[test]
+fn a_first_touch_does_not_hide_a_worse_one() {
+    let judged = |scenario: &Arc<Scenario>| {
+        let (outcome, trace) = run(scenario, [STANDING; 2]);
+        let Ending::Touch { pedestrian, .. } = outcome.ending else { panic!("{outcome:?}") };
+        let verdict = judge(&trace.main_pair(scenario)).unwrap();
+        (pedestrian, verdict.class(), outcome, trace)
+    };
+    let far = judged(&flank_and_lane(150.0));
+    assert_eq!((far.0, far.1), (1, Class::Flank));
+    for x in [82.0, 83.0, 84.0, 90.0, 110.0] {
+        let scenario = flank_and_lane(x);
+        let (pedestrian, class, outcome, trace) = judged(&scenario);
+        assert_eq!((pedestrian, class), (0, Class::Fault), "{x} m");
+        assert!(outcome.ticks > far.2.ticks && trace.vehicle(0).len() == outcome.ticks as usize + 1);
+        // Who was touched is no longer there.
+        let last = outcome.ticks as usize;
+        assert!(!trace.is_present(1, last) && trace.is_present(0, last));
+        assert!(trace.is_present(1, far.2.ticks as usize - 1) && !trace.is_present(1, far.2.ticks as usize));
+        // The episode is the same from wherever it goes on.
+        let mut env = scenario.simulation();
+        env.start(Draw::new(&Seed::root(1), 0));
+        while env.outcome().is_none() {
+            if env.phase() == Phase::Decision {
+                env.decide(&[STANDING; 2]);
+            }
+            env.tick();
+            let mut copy = env.snapshot().unwrap();
+            while copy.outcome().is_none() {
+                if copy.phase() == Phase::Decision {
+                    copy.decide(&[STANDING; 2]);
+                }
+                copy.tick();
+            }
+            assert_eq!(copy.outcome(), Some(&outcome));
+        }
+    }
+    // More than five seconds later it is another story, and the episode is that of the first touch.
+    let (pedestrian, class, outcome, trace) = judged(&flank_and_lane(125.0));
+    assert_eq!((pedestrian, class, outcome.ticks), (1, Class::Flank, far.2.ticks));
+    assert_eq!(
+        (trace.vehicle(0).len(), trace.pedestrian(0).len()),
+        (outcome.ticks as usize + 1, trace.pedestrian(1).len())
+    );
 }
 
 /// The verdict on a car that does not look: somebody stands at `x` (m) in its lane, 60 m from where it starts, and a car follows it at this distance (m).

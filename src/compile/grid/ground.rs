@@ -15,7 +15,7 @@ use base::signature::{DeclarationId, short};
 use episode::requirement::NamedRequirement;
 use episode::{
     CastSurvey, Controller, Criterion, EpisodeRule, FirstHeading, PedestrianRole, Placement, RewardRule, Scenario,
-    SpawnRule, TargetBox, TestOracle, VehicleRole,
+    SpawnRule, TargetBox, VehicleRole,
 };
 use lang::diagnostics;
 use lang::hir::Block;
@@ -83,7 +83,7 @@ impl Place<'_> {
             ),
             spawn: for_car(&self.spawn.value, car),
             reward: RewardRule { requirements: self.roles.resolved(&reward.requirements), ..reward.clone() },
-            oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
+            oracle: Some(Arc::new(ReferenceOracle)),
             episode: rule.clone(),
             requirements: self.roles.resolved(requirements),
             criterion: Criterion::Collision,

@@ -67,7 +67,7 @@ pub struct Scenario {
     pub spawn: SpawnRule,
     /// The reward of the pedestrians.
     pub reward: RewardRule,
-    /// Judges hits, for rewards that depend on the judgement; without it every hit counts as not preventable.
+    /// Judges hits where the reward depends on it, and where there are several pedestrians: the worst hit counts. Without it no hit counts as preventable.
     pub oracle: Option<Arc<dyn TestOracle>>,
     /// The rule that ends episodes.
     pub episode: EpisodeRule,

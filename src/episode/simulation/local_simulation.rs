@@ -1,8 +1,10 @@
 mod settle;
 mod start;
+mod touches;
 
 use std::sync::Arc;
 
+use self::touches::Touches;
 use super::drivers::Drivers;
 use super::external_world::Bridge;
 use super::observers::Observers;
@@ -53,6 +55,8 @@ pub struct LocalSimulation {
     failed_walker: Option<Fault>,
     script: Script,
     episode: Episode,
+    /// The touches up to now, while it is open whether there is another.
+    touches: Option<Touches>,
     observers: Observers,
     /// Memory for the commands of a tick.
     scratch: Vec<WalkCommand>,
@@ -128,6 +132,7 @@ impl LocalSimulation {
             run_up: RunUp::new(run_up::LENGTH),
             drivers,
             script: Script::default(),
+            touches: None,
             episode: Episode::new(0, nowhere, &placing),
             placing,
         }
@@ -149,6 +154,7 @@ impl LocalSimulation {
             actions: self.actions.clone(),
             script: self.script.clone(),
             observers: self.observers.clone(),
+            touches: self.touches.clone(),
             scratch: self.scratch.clone(),
             ..*self
         })
@@ -189,9 +195,12 @@ impl LocalSimulation {
             Err(fault) => return Some(self.give_up(Ending::WorldError(fault))),
         };
         observers.tick(&Scene::new(scenario, world, actions));
-        let rule = &scenario.episode;
-        let (ticks, held) = (world.ticks, episode.held);
-        let over = actions.contact.is_some() || ticks >= rule.ticks || held >= rule.hold || self.is_test_over();
+        if self.goes_on() {
+            return None;
+        }
+        let rule = &self.scenario.episode;
+        let (ticks, held) = (self.world.ticks, self.episode.held);
+        let over = self.actions.contact.is_some() || ticks >= rule.ticks || held >= rule.hold || self.is_test_over();
         over.then(|| self.settle())
     }
 }
@@ -294,7 +303,7 @@ impl Simulation for LocalSimulation {
     }
 
     fn judged_fault(&self) -> Option<bool> {
-        self.scenario.oracle.is_some().then_some(self.episode.is_fault)
+        self.scenario.reward.needs_judgement().then_some(self.episode.is_fault)
     }
 
     fn shaping(&self) -> f64 {

@@ -18,7 +18,7 @@ pub(super) struct Observers {
     /// The signals that formulas name.
     signals: Option<SignalMeter>,
     pub(super) requirements: RequirementWatch,
-    /// The episode so far, if the reward depends on the judgement of a hit.
+    /// The episode so far, if the reward depends on the judgement of a hit, or several pedestrians can be hit.
     trace: Option<Trace>,
 }
 
@@ -31,13 +31,14 @@ impl Observers {
         let samples = rule.ticks.min(MAX_RESERVED) as usize + 1;
         let is_motion_asked = scenario.reward.needs_motion() || rule.end_when.as_ref().is_some_and(is_about_motion);
         let asked = if is_motion_asked { world.pedestrians.len() } else { 0 };
+        let is_judged = scenario.oracle.is_some() && (scenario.reward.needs_judgement() || world.pedestrians.len() > 1);
         Self {
             tally: Tally::new(),
             road: RoadWatch::new(rule.count_all),
             motions: (0..asked).map(|number| Motion::new(world, number)).collect(),
             signals: wanted(scenario).map(|wanted| SignalMeter::new(wanted, world, samples)),
             requirements: RequirementWatch::new(scenario, samples),
-            trace: scenario.oracle.is_some().then(|| Trace::new(scenario)),
+            trace: is_judged.then(|| Trace::new(scenario)),
         }
     }
 
@@ -86,13 +87,20 @@ impl Observers {
         }
     }
 
+    /// The car has touched a pedestrian, who leaves the world. `next` is the next touch in the same tick.
+    pub(super) fn touch(&mut self, pedestrian: usize, next: Option<Contact>) {
+        if let Some(trace) = &mut self.trace {
+            trace.touch(pedestrian, next);
+        }
+    }
+
     /// All ticks of a decision have been simulated.
     pub(super) fn settle(&mut self) {
         self.tally.settle();
         self.requirements.settle();
     }
 
-    /// The judgement of the hit that has just happened, if the reward depends on it.
+    /// The judgement of the hit that has just happened, if it is asked for.
     pub(super) fn judgement(&self, scenario: &Scenario) -> Option<Judgement> {
         let (oracle, trace) = (scenario.oracle.as_ref()?, self.trace.as_ref()?);
         Some(oracle.judge(&trace.main_pair(scenario)))

@@ -41,6 +41,14 @@ impl<'a> RecordedActor<'a> {
         }
     }
 
+    /// Whether it was in the world after a tick, if its role was.
+    pub fn is_present(&self, tick: usize) -> bool {
+        match self.id {
+            ActorId::Vehicle(_) => true,
+            ActorId::Pedestrian(number) => self.trace.is_present(number.into(), tick),
+        }
+    }
+
     pub fn is_pedestrian(&self) -> bool {
         matches!(self.id, ActorId::Pedestrian(_))
     }

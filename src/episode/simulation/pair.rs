@@ -197,7 +197,9 @@ impl<'a> Pair<'a> {
     /// Whether any of the pedestrian can be seen from the driver's eye. Obstacles and other actors hide it.
     pub fn in_sight(&self, frame: &Frame) -> bool {
         let target = (frame.pedestrian.pose.position(), self.body.radius);
-        let others = self.others().filter(|actor| !actor.is_parked && !self.scenario.cast.is_absent(actor.id));
+        let others = self.others().filter(|actor| {
+            !actor.is_parked && actor.is_present(frame.tick) && !self.scenario.cast.is_absent(actor.id)
+        });
         let others = others.map(|actor| OrientedBox { pose: actor.state(frame.tick).0, half: actor.half });
         self.is_on_level(frame) && self.obstacles().shows(self.eye(frame), target, others)
     }

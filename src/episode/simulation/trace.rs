@@ -44,6 +44,8 @@ pub struct Trace {
 #[derive(Debug, Clone, Default)]
 struct PedestrianTrack {
     states: Vec<PedestrianState>,
+    /// The frame from which on it is not in the world: the car touched it in that tick, and another later.
+    gone: Option<usize>,
     decisions: Vec<WalkCommand>,
 }
 
@@ -56,6 +58,7 @@ impl Observer for Trace {
         self.vehicles.iter_mut().for_each(Vec::clear);
         for track in &mut self.pedestrians {
             track.states.clear();
+            track.gone = None;
             track.decisions.clear();
         }
         self.degrees.clear();
@@ -77,8 +80,12 @@ impl Observer for Trace {
         }
     }
 
-    /// Records the state of all actors after a tick, whether two of them touched in it, and what the driver of each vehicle did.
+    /// Records the state of all actors after a tick, whether two of them touched in it, and what the driver of each vehicle did. A tick that is
+    /// told again takes the place of what followed: the episode ended with an earlier touch.
     fn tick(&mut self, scene: &Scene<'_>) {
+        if self.pedestrians.iter().any(|track| track.gone.is_some()) {
+            self.cut(scene.world.ticks as usize);
+        }
         self.record(scene.world, |vehicle| scene.driven(vehicle));
         self.contact = scene.contact().copied();
     }
@@ -89,12 +96,31 @@ impl Observer for Trace {
 }
 
 impl Trace {
+    /// Keeps this number of frames.
+    fn cut(&mut self, frames: usize) {
+        self.vehicles.iter_mut().for_each(|track| track.truncate(frames));
+        for track in &mut self.pedestrians {
+            track.states.truncate(frames);
+            track.gone = track.gone.filter(|gone| *gone < frames);
+        }
+    }
+
+    /// The car has touched a pedestrian in the last tick. `next` is the next touch in it.
+    pub(super) fn touch(&mut self, pedestrian: usize, next: Option<Contact>) {
+        let track = &mut self.pedestrians[pedestrian];
+        track.gone = Some(track.states.len() - 1);
+        self.contact = next;
+    }
+
     #[inline]
     fn record(&mut self, world: &World, driven: impl Fn(usize) -> Driven) {
         for (number, (track, vehicle)) in self.vehicles.iter_mut().zip(&world.vehicles).enumerate() {
             track.push(VehicleFrame { state: vehicle.state, driven: driven(number) });
         }
         for (track, pedestrian) in self.pedestrians.iter_mut().zip(&world.pedestrians) {
+            if !pedestrian.is_present {
+                track.gone.get_or_insert(track.states.len());
+            }
             track.states.push(pedestrian.state);
         }
     }
@@ -105,8 +131,11 @@ impl Trace {
         let ticks = rule.ticks.min(RESERVED);
         let frames = ticks as usize + 1;
         let decisions = (ticks / rule.hold) as usize + 1;
-        let track =
-            |_| PedestrianTrack { states: Vec::with_capacity(frames), decisions: Vec::with_capacity(decisions) };
+        let track = |_| PedestrianTrack {
+            states: Vec::with_capacity(frames),
+            gone: None,
+            decisions: Vec::with_capacity(decisions),
+        };
         Self {
             vehicles: scenario.cast.vehicles.iter().map(|_| Vec::with_capacity(frames)).collect(),
             pedestrians: scenario.cast.pedestrians.iter().map(track).collect(),
@@ -131,7 +160,7 @@ impl Trace {
         Self {
             velocity_noise,
             vehicles: vec![driving],
-            pedestrians: vec![PedestrianTrack { states: walking, decisions }],
+            pedestrians: vec![PedestrianTrack { states: walking, gone: None, decisions }],
             contact,
             lights: None,
             on_map: false,
@@ -181,6 +210,11 @@ impl Trace {
     /// The track of a pedestrian: at the start, and after each tick.
     pub fn pedestrian(&self, number: usize) -> &[PedestrianState] {
         &self.pedestrians[number].states
+    }
+
+    /// Whether a pedestrian was in the world after a tick. Whom the car has touched before it touches another is not, from the touch on.
+    pub fn is_present(&self, pedestrian: usize, tick: usize) -> bool {
+        self.pedestrians[pedestrian].gone.is_none_or(|gone| tick < gone)
     }
 
     pub fn decisions(&self, pedestrian: usize) -> &[WalkCommand] {

@@ -99,7 +99,8 @@ pub(crate) fn search_cells(searches: &DataFrame) -> PolarsResult<DataFrame> {
 
 /// A row for each driver, over all its searches.
 pub(crate) fn searched_drivers(searches: &DataFrame) -> PolarsResult<DataFrame> {
-    let sums = [FAILURE_COUNT, PREVENTABLE_COUNT, FAULT_COUNT, SEARCH_EPISODES].map(|count| col(count).sum());
+    let sums =
+        [FAILURE_COUNT, PREVENTABLE_COUNT, FAULT_COUNT, FAULT_STARTS, SEARCH_EPISODES].map(|count| col(count).sum());
     let means = [INJURY, FAULT_START_RATE].map(|figure| col(figure).mean());
     searches.clone().lazy().group_by_stable([col(DRIVER.name)]).agg([&sums[..], &means].concat()).collect()
 }

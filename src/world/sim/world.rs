@@ -233,8 +233,9 @@ impl World {
         touched
     }
 
+    /// Finds the first touch of the last tick between actors that are in the world.
     #[inline]
-    fn first_contact(&self) -> Option<Contact> {
+    pub fn first_contact(&self) -> Option<Contact> {
         let mut first: Option<Contact> = None;
         let mut note = |found: Contact| {
             if first.is_none_or(|first| found.fraction < first.fraction) {

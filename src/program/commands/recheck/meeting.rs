@@ -464,7 +464,8 @@ impl Sides {
             if !of_town().any(|other| is_alike(&other.scenario, scenario)) {
                 let number = of_town().count() as u64;
                 // Rewards are not of interest here.
-                let scenario = Arc::new(Scenario { oracle: None, ..Scenario::clone(scenario) });
+                let oracle = scenario.oracle.clone().filter(|_| scenario.cast.pedestrians.len() > 1);
+                let scenario = Arc::new(Scenario { oracle, ..Scenario::clone(scenario) });
                 setups.push(Setup { town, world, number, scenario });
             }
         }

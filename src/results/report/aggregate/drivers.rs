@@ -8,8 +8,8 @@ use crate::record::CellKey;
 use crate::record::columns::DRIVER;
 use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 use crate::tables::{
-    Cell, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE, INJURY, PREVENTABLE_COUNT, Row, Rows, SEARCH_EPISODES,
-    searched_drivers,
+    Cell, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE, FAULT_STARTS, INJURY, PREVENTABLE_COUNT, Row, Rows,
+    SEARCH_EPISODES, searched_drivers,
 };
 use compile::Driver;
 
@@ -21,6 +21,8 @@ pub struct SearchFailures {
     pub preventable: usize,
     /// Those that count against the driver.
     pub fault: usize,
+    /// The starts from which a search found a fault.
+    pub fault_starts: usize,
     /// The avoidable injury of a thousand episodes, as the mean over the searches: one that spends its budget on many short episodes has no greater
     /// weight. `None` without any episode.
     pub injury_per_thousand: Option<f64>,
@@ -36,6 +38,7 @@ impl From<&Row<String>> for SearchFailures {
             all: count(FAILURE_COUNT),
             preventable: count(PREVENTABLE_COUNT),
             fault: count(FAULT_COUNT),
+            fault_starts: count(FAULT_STARTS),
             injury_per_thousand: driver.number(INJURY),
             fault_start_rate: driver.number(FAULT_START_RATE),
             episodes: driver.whole_number(SEARCH_EPISODES),

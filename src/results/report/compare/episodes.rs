@@ -88,7 +88,9 @@ impl<'a> SideEpisodes<'a> {
         let touches = self.touches.beside(run, rows)?.filter(counts);
         let mut episodes = touches.select(columns.into_iter().chain(flags).collect::<Vec<_>>()).collect()?;
         if episodes.height() > rows.height() {
-            return Err(PolarsError::Duplicate("a failure has two rows".into()));
+            return Err(PolarsError::Duplicate(
+                format!("failures.parquet has two rows of an episode of run {run}").into(),
+            ));
         }
         let numbers: Vec<u32> = EPISODE.read(&episodes)?.into_no_null_iter().collect();
         for event in events {

@@ -84,10 +84,12 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
 }
 
 fn found_by_searches(found: SearchFailures) -> String {
-    let SearchFailures { episodes, all, preventable, fault, .. } = found;
-    match (episodes, fault) {
-        (0, _) => "nothing: not one episode".into(),
-        (_, 1) => format!("{all} failures: {preventable} preventable, 1 fault"),
-        _ => format!("{all} failures: {preventable} preventable, {fault} faults"),
+    let SearchFailures { episodes, all, preventable, fault, fault_starts, .. } = found;
+    let some = format!("{all} failures: {preventable} preventable");
+    match (episodes, fault, fault_starts) {
+        (0, ..) => "nothing: not one episode".into(),
+        (_, 1, _) => format!("{some}, 1 fault"),
+        (_, _, 1) => format!("{some}, {fault} faults, all from one start"),
+        _ => format!("{some}, {fault} faults"),
     }
 }
