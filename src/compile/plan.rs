@@ -89,7 +89,7 @@ pub struct Campaign {
     pub towns: Vec<NamedTown>,
     /// The drivers that it uses, each once.
     pub drivers: Vec<Driver>,
-    /// What is run: trainings, evaluations, searches, estimates, covers and hardenings, in this order, each in the order of its blocks and
+    /// What is run: trainings, evaluations, searches, estimates, covers, hardenings and prices, in this order, each in the order of its blocks and
     /// their keys. A job comes after the one that it needs.
     pub jobs: Vec<Job>,
     /// Published results, to be compared with its figures.

@@ -28,7 +28,8 @@
 //!
 //! [`FalseAlarms`] asks the same drivers about episodes that ended well. [`NearMiss`] measures how near any episode came to a touch, [`LaneDeparture`] whether the car stayed in its lane, and [`PedestrianMotion`] whether the pedestrian moved as people do.
 //!
-//! [`cause`] runs a failure again with one thing changed, and [`natural_traffic`] counts faults among pedestrians who walk as people do.
+//! [`cause`] runs a failure again with one thing changed, [`natural_traffic`] counts faults among pedestrians who walk as people do, and a
+//! [`Price`] is what a driver gives for safety.
 //!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, as far as
 //! the car's brake and the road allow.
@@ -59,6 +60,7 @@ mod recording_parts;
 mod recording;
 mod recording_file;
 mod traffic;
+mod price;
 mod classification_tree;
 pub mod cause;
 #[cfg(test)]
@@ -76,6 +78,7 @@ pub use judged::{Blame, Judged, JudgedDegree};
 pub use lane_departure::LaneDeparture;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
+pub use price::Price;
 pub use reaction::share_of_drivers;
 pub use recording::{Encountered, InstantFault, RecordedRequirement, Recording, RecordingError, Sizes};
 pub use recording_file::RecordingFileError;

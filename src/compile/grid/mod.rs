@@ -8,11 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::campaign::{CampaignKeys, PlaceKeys, StartKeys};
-use super::jobs::{BLOCKS, Origin};
+use super::jobs::{BLOCKS, Origin, Pricing};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
 use super::walker::WalkerKind;
-use super::{RunId, policy, published};
+use super::{Job, RunId, policy, published};
 use axis::Required;
 pub(crate) use axis::{Axis, Usual};
 use base::signature::{DeclarationId, Value};
@@ -79,6 +79,8 @@ impl Lowering<'_> {
                 (kind.lower)(self, Nested { campaign: block, block: inner, number }, &mut grid);
             }
         }
+        let prices = Pricing::of_campaign(&grid.campaign, keys.price);
+        grid.campaign.jobs.extend(prices.into_iter().map(Job::from));
         self.forbid_repeated_trainings(block, &grid.campaign);
         self.warn_of_absent(block, &grid);
         self.warn_of_stops(block, &grid);

@@ -8,6 +8,7 @@ mod search;
 mod estimate;
 mod cover;
 mod harden;
+mod price;
 
 use std::any::Any;
 use std::fmt;
@@ -18,6 +19,7 @@ pub use estimate::Estimation;
 pub use evaluation::{CHUNK, ControllerKind, Evaluation, UNTRAINED, episodes_seed};
 pub(crate) use evaluation::{STOCHASTIC, TRAINED};
 pub use harden::{Harden, VariedKey, WrittenPolicy};
+pub use price::Pricing;
 pub use search::{Search, SearchKey};
 pub use training::{NO_REWARD, Training, TrainingKey};
 
@@ -152,7 +154,7 @@ macro_rules! kinds {
     };
 }
 
-kinds!(Training, Evaluation, Search, Estimation, Cover, Harden);
+kinds!(Training, Evaluation, Search, Estimation, Cover, Harden, Pricing);
 
 impl Job {
     pub fn origin(&self) -> &Origin {

@@ -171,13 +171,14 @@ impl<'a> CampaignRun<'a> {
             self.repeat_elsewhere(&folder);
         }
         let gates = self.judge_gates(&found);
-        let few_errors = found.gathered.errors_are_few();
+        let (answer, few_errors) = (report::answer(&found), found.gathered.errors_are_few());
         let Findings { cells, drivers, searches, doubts, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name: self.name.clone(),
             folder,
             manifest,
             cells,
+            answer,
             drivers,
             searches,
             sections,

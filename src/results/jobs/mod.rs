@@ -9,6 +9,7 @@ mod search;
 mod estimate;
 mod cover;
 mod harden;
+mod price;
 
 use std::any::Any;
 use std::fmt;
@@ -20,6 +21,7 @@ pub use cover::FoundInBox;
 pub(crate) use cover::percent_above;
 pub use episodes::watch;
 pub use measurement::{Measured, Measurement};
+pub(crate) use price::{NEEDLESS, PRICES, PROGRESS, SPARED, columns as price_columns};
 pub use repeat::{Repeatable, Repeated};
 pub use search::{SearchFailure, SearchResult};
 pub use training::{TrainingResult, learning_curve_lines, networks, pedestrian_files};
@@ -94,8 +96,8 @@ impl PartialEq for Kind {
 }
 
 /// All kinds, in the order of their jobs in a campaign.
-pub const KINDS: [&Kind; 6] =
-    [&training::KIND, &evaluation::KIND, &search::KIND, &estimate::KIND, &cover::KIND, &harden::KIND];
+pub const KINDS: [&Kind; 7] =
+    [&training::KIND, &evaluation::KIND, &search::KIND, &estimate::KIND, &cover::KIND, &harden::KIND, &price::KIND];
 
 /// How a job is run and stored.
 pub trait Work: Planned {

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use super::aggregate::SearchCell;
+use super::aggregate::{DriverResult, SearchCell};
 use super::off_road::{OffRoadDriver, off_road};
 use crate::jobs::SearchResult;
 use crate::record::columns::{TOWN, WORLD};
@@ -10,6 +10,8 @@ use crate::tables::{Cells, Metric, Row};
 
 /// Fewer collisions than this say nothing about the starts.
 const MIN_COLLISIONS: u64 = 10;
+/// Below this progress a driver is as good as parked.
+pub(super) const CRAWLS: f64 = 0.5;
 /// Above this share of unpreventable collisions a caution is due.
 const MAX_UNAVOIDABLE: f64 = 0.9;
 
@@ -18,6 +20,8 @@ const MAX_UNAVOIDABLE: f64 = 0.9;
 pub enum Caution {
     /// A driver often does not reach its starts, or leaves the road.
     OffRoad(OffRoadDriver),
+    /// A driver hardly moves without anybody.
+    Crawls { driver: String, progress: String },
     /// Hardly any collision of any driver in a town could have been avoided: the starts leave a careful human no chance.
     NoChance {
         town: String,
@@ -38,6 +42,10 @@ impl fmt::Display for Caution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OffRoad(driver) => driver.fmt(f),
+            Self::Crawls { driver, progress } => write!(
+                f,
+                "{driver} drives {progress} of the way that limits and bends allow, without anybody: that it has few faults says little"
+            ),
             Self::NoChance { town, collisions, unavoidable } => write!(
                 f,
                 "no careful human avoids {unavoidable} of the {collisions} collisions in {town}: most starts are unavoidable at that speed, so few \
@@ -52,7 +60,12 @@ impl fmt::Display for Caution {
 }
 
 /// All of them: of drivers, of towns, of searches.
-pub fn cautions(cells: &Cells, results: &[SearchResult], searches: &[SearchCell]) -> Vec<Caution> {
+pub fn cautions(
+    cells: &Cells,
+    results: &[SearchResult],
+    searches: &[SearchCell],
+    drivers: &[DriverResult],
+) -> Vec<Caution> {
     // Episodes that are left out fitted into the budget; why they are is said of the driver. So is why a search ended early.
     let is_lost = |search: &SearchCell| {
         let mut own = results.iter().filter(|result| result.key.is_of_same_cell(&search.key));
@@ -60,7 +73,13 @@ pub fn cautions(cells: &Cells, results: &[SearchResult], searches: &[SearchCell]
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
     let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget() });
-    off_road(cells, results).into_iter().map(Caution::OffRoad).chain(no_chance(cells)).chain(empty).collect()
+    let crawls = drivers.iter().filter_map(|result| {
+        let price = result.price.filter(|_| result.episodes > 0)?;
+        let progress = format!("{:.0} %", 100.0 * price.progress);
+        (price.progress < CRAWLS).then(|| Caution::Crawls { driver: result.driver.name.clone(), progress })
+    });
+    let off_road = off_road(cells, results).into_iter().map(Caution::OffRoad);
+    off_road.chain(crawls).chain(no_chance(cells)).chain(empty).collect()
 }
 
 /// The towns in which nearly all collisions are beyond careful drivers, for every driver under test. A baseline that sees no pedestrian collides also where others
@@ -90,7 +109,7 @@ mod tests {
             Cell::example(key, &[(&COLLISIONS, collisions), (&UNPREVENTABLE_COLLISIONS, unavoidable)], &[])
         };
         let cells = Cells::example(&[cell("bend", 9, 9), cell("bend", 9, 8), cell("few", 9, 9), cell("fair", 20, 15)]);
-        let said: Vec<String> = cautions(&cells, &[], &[]).iter().map(ToString::to_string).collect();
+        let said: Vec<String> = cautions(&cells, &[], &[], &[]).iter().map(ToString::to_string).collect();
         let [said] = &said[..] else { panic!("{said:?}") };
         assert!(said.starts_with("no careful human avoids 17 of the 18 collisions in bend"), "{said}");
     }

@@ -8,6 +8,9 @@ use super::Findings;
 use super::aggregate::{ProtocolCell, passed_share, score};
 use super::infer::{BEATS_UNTRAINED, CellEvidence, IMPACT_SPEED_P90, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
+use crate::campaign::Finished;
+use crate::jobs::{NEEDLESS, PROGRESS, price_columns};
+use crate::record::columns::{DRIVER, TOWN};
 use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key, interval};
 use crate::tables::metrics::{IMPACT_SPEED, inferred};
 use crate::tables::{
@@ -33,6 +36,7 @@ pub fn gate_columns(requirements: &[&str]) -> Vec<ColumnReference> {
     let mut all = cell_columns();
     all.extend(more(evidence_table().reference().columns));
     all.extend(more(test_table().reference().columns));
+    all.extend(price_figures());
     for name in requirements {
         all.extend(more(requirement_columns(name).reference().columns));
     }
@@ -57,12 +61,29 @@ pub fn gate_table(found: &Findings<'_>, requirements: &[&str]) -> PolarsResult<D
     table = table.lazy().with_columns(ends.map(of_samples).collect::<Vec<_>>()).collect()?;
     table = beside(table, test_table().frame(&gathered.tests))?;
     table = table.lazy().with_column(col(NOT_TESTED).fill_null(lit(0.0))).collect()?;
+    table = beside_prices(table, found.finished)?;
     for name in requirements {
         let own: Vec<Cell> =
             gathered.requirements.iter().filter(|each| each.text(&REQUIREMENT) == *name).cloned().collect();
         table = beside(table, requirement_columns(name).frame(&own))?;
     }
     Ok(table)
+}
+
+/// The figures of a driver's price in a town.
+fn price_figures() -> impl Iterator<Item = ColumnReference> {
+    let figures = [PROGRESS.name, NEEDLESS];
+    price_columns().reference().columns.into_iter().filter(move |column| figures.contains(&&*column.figure))
+}
+
+/// The cells, each with the price of its driver in its town.
+fn beside_prices(cells: DataFrame, finished: &Finished) -> PolarsResult<DataFrame> {
+    let keys = [TOWN.name, DRIVER.name].map(col);
+    let prices = price_columns().frame(&finished.found().collect::<Vec<_>>());
+    let figures = keys.iter().cloned().chain(price_figures().map(|column| col(&*column.name)));
+    let prices = prices.lazy().select(figures.collect::<Vec<_>>());
+    let arguments = JoinArgs { maintain_order: MaintainOrderJoin::Left, ..JoinArgs::new(JoinType::Left) };
+    cells.lazy().join(prices, keys.clone(), keys, arguments).collect()
 }
 
 /// The columns of a table beside those of another one, by the key of the cell.

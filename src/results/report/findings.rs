@@ -3,12 +3,13 @@ use std::collections::BTreeMap;
 use super::actors::{CastFailure, cast_failures};
 use super::caution::{Caution, cautions};
 use super::distinct::listed_findings;
+use super::price::DriverPrice;
 use super::{
     Aggregates, CellEvidence, DistinctFailure, Doubt, DriverResult, ProtocolCell, PublishedComparison, all_of_searches,
     beside, doubts, driver_results, layer_cells, search_cells, search_pairs,
 };
 use crate::campaign::Finished;
-use crate::jobs::SearchResult;
+use crate::jobs::{SearchResult, price_columns};
 use crate::record::CellKey;
 use crate::tables::{Cell, Cells, Rows};
 use base::seed::Seed;
@@ -54,6 +55,11 @@ impl<'a> Findings<'a> {
         let (searches, search_pairs) = (search_cells(results, &searched), search_pairs(&searched));
         let layers = layer_cells(campaign, results);
         let mut drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, &searched, &gathered.tests);
+        let prices = price_columns().frame(&finished.found().collect::<Vec<_>>());
+        let prices = DriverPrice::all(&prices).expect("a bug: a table of prices has its columns");
+        for result in &mut drivers {
+            result.price = prices.iter().find(|(name, _)| *name == result.driver.name).map(|(_, price)| *price);
+        }
         if !layers.is_empty() {
             // The cases of a test are no sample of episodes.
             let searched = drivers.iter_mut().filter_map(|result| result.searched.as_mut());
@@ -64,12 +70,12 @@ impl<'a> Findings<'a> {
             evidence: places,
             distinct: Vec::new(),
             cast_failures: Vec::new(),
-            drivers,
             published: beside(&campaign.published, &cells, evidence),
             layers,
-            cautions: cautions(&cells, results, &searches),
+            cautions: cautions(&cells, results, &searches, &drivers),
             search_pairs,
             searches,
+            drivers,
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,
             finished,

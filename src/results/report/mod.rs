@@ -26,7 +26,9 @@ mod staging;
 mod folder;
 mod overview;
 mod off_road;
+mod price;
 mod findings;
+mod answer;
 mod grouped;
 mod metric_table;
 mod repeats;
@@ -43,6 +45,7 @@ pub use aggregate::{
     Aggregates, Colour, DriverResult, Episodes, Failures, Run, SearchCell, aggregate_episodes, all_of_searches, beside,
     driver_results, search_cell_reference, search_cells, searches, ticks, worst_failure,
 };
+pub use answer::answer;
 pub use catalogue::catalogue;
 pub use caution::Caution;
 pub use distinct::{DistinctFailure, MAX_SHRUNK, first_of_each};

@@ -6,6 +6,7 @@ use super::{Failures, ProtocolCell};
 use crate::failure::Failure;
 use crate::record::CellKey;
 use crate::record::columns::DRIVER;
+use crate::report::price::DriverPrice;
 use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 use crate::tables::{
     Cell, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE, FAULT_STARTS, INJURY, PREVENTABLE_COUNT, Row, Rows,
@@ -56,6 +57,8 @@ pub struct DriverResult {
     pub cell: Option<usize>,
     /// The failures that searches found; `None` without a search.
     pub searched: Option<SearchFailures>,
+    /// What it gives for safety, over all towns; `None` where that was not asked.
+    pub price: Option<DriverPrice>,
     /// Its episodes that count, of evaluations and of searches.
     pub episodes: u64,
 }
@@ -95,6 +98,7 @@ pub fn driver_results(
             episodes: own.map(|cell| u64::from(cell.count(&EPISODES))).sum::<u64>()
                 + searched.map_or(0, |found| found.episodes),
             searched,
+            price: None,
         }
     };
     let mut results: Vec<DriverResult> = drivers.iter().map(result).collect();

@@ -11,7 +11,8 @@ use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::record::{CellKey, RunKey};
 use crate::report::grouped::grouped;
 use crate::report::infer::{EvaluatedRun, MAX_KEPT, compare_pair};
-use crate::report::read::StoredRun;
+use crate::report::price::DriverPrice;
+use crate::report::read::{ReadError, StoredRun};
 use crate::report::{FailureChange, SideCollision};
 use crate::tables::pairs::{ROW, START, sides, starts, sums};
 use crate::tables::{Changed, Metric};
@@ -30,6 +31,8 @@ pub struct ReportComparison {
     pub cells: Vec<ComparedCell>,
     /// The common starts from which at least one side has a collision. Cell by cell, in the order of the first report.
     pub changes: Vec<FailureChange>,
+    /// The drivers that are compared, and what the second costs beside the first.
+    pub prices: Vec<String>,
     /// One for each falsifier, town and driver, in the order of the first report.
     pub searches: Vec<ComparedSearch>,
 }
@@ -128,7 +131,23 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         notes.push(Caveat::SearchStarts { searches: apart });
     }
     let folders = [before, after].map(|side| side.report.folder().to_path_buf());
-    Ok(ReportComparison { folders, caveats: notes, events, cells: compared, changes, searches })
+    let prices = prices([before, after], &compared)?;
+    Ok(ReportComparison { folders, caveats: notes, events, cells: compared, changes, prices, searches })
+}
+
+/// What each driver costs beside the one that it is compared with, as far as both reports have it.
+fn prices(sides: [Side<'_>; 2], cells: &[ComparedCell]) -> Result<Vec<String>, ReadError> {
+    let [before, after] = [DriverPrice::stored(sides[0].report)?, DriverPrice::stored(sides[1].report)?];
+    let mut pairs: Vec<[&String; 2]> = cells.iter().map(|cell| cell.keys.each_ref().map(|key| &key.policy)).collect();
+    pairs.dedup();
+    let of = |prices: &[(String, DriverPrice)], name: &str| {
+        prices.iter().find(|(known, _)| known == name).map(|(_, price)| *price)
+    };
+    let price = |pair: [&String; 2]| {
+        let change = of(&before, pair[0])?.to_other(&of(&after, pair[1])?);
+        Some(format!("Price of {}: {change}", drivers(&pair.map(Clone::clone))))
+    };
+    Ok(grouped(pairs, |pair| pair.map(Clone::clone)).into_iter().filter_map(|pairs| price(pairs[0])).collect())
 }
 
 /// What is found cell by cell.

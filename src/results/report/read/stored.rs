@@ -186,7 +186,7 @@ impl StoredReport {
     }
 
     /// The Parquet file of a table, if the manifest lists it.
-    fn written(&self, table: &str) -> Option<&FileRecord> {
+    pub(in crate::report) fn written(&self, table: &str) -> Option<&FileRecord> {
         let name = format!("{table}.parquet");
         self.manifest.report_files.iter().find(|file| file.path == name)
     }
@@ -320,7 +320,7 @@ impl StoredReport {
     ///
     /// # Errors
     /// A table that is damaged, or that the report has as CSV only.
-    pub(super) fn each_part(
+    pub(in crate::report) fn each_part(
         &self,
         table: &str,
         count: usize,

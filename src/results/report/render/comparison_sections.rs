@@ -71,7 +71,11 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
     ChangeReport {
         sides: [before, after].map(|folder| folder.display().to_string()),
         notes: comparison.caveats.iter().map(ToString::to_string).collect(),
-        lead: [answer(comparison), headline(comparison)].into_iter().chain(power(comparison)).collect(),
+        lead: [answer(comparison), headline(comparison)]
+            .into_iter()
+            .chain(comparison.prices.iter().map(|price| format!("{price}.")))
+            .chain(power(comparison))
+            .collect(),
         sections,
     }
 }

@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::table::{Depth, Section};
-use crate::report::{Findings, Manifest};
+use crate::report::{Findings, Manifest, answer};
 use compile::{Campaign, Driver};
 
 /// The limits of the simulator, for every summary.
@@ -27,6 +27,9 @@ pub fn summary(found: &Findings<'_>, sections: &[Section], manifest: &Manifest) 
     }
     if !manifest.complete {
         let _ = writeln!(page, "**{INCOMPLETE}**\n");
+    }
+    for sentence in answer(found) {
+        let _ = writeln!(page, "**{sentence}.**\n");
     }
     for caution in &found.cautions {
         let _ = writeln!(page, "**{caution}.**\n");

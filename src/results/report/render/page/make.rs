@@ -10,8 +10,8 @@ use crate::failure::Failure;
 use crate::jobs::TrainingResult;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::table::{Depth, Section};
-use crate::report::{DriverResult, Findings, Manifest, worst_failure};
-use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
+use crate::report::{Findings, Manifest, answer, worst_failure};
+use crate::tables::metrics::EPISODES;
 use compile::Campaign;
 
 /// A section of the page with its place in the list of found. It can be folded; a script unfolds it where the window is wide.
@@ -110,8 +110,7 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
             h1 { (campaign.name) }
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
             @else { p.lead { (grid(campaign)) } }
-            @let conclusion = conclusion(found);
-            @if !conclusion.is_empty() { p.lead { b { (conclusion) } } }
+            @for sentence in answer(found) { p.lead { b { (sentence) "." } } }
             @if manifest.smoke { p.warn { (SMOKE) } }
             @if !manifest.complete { p.warn { (INCOMPLETE) } }
             @for caution in &found.cautions { p.warn { (prose(&format!("{caution}."))) } }
@@ -132,41 +131,6 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
             button #theme type="button" hidden { "Dark" }
         }
     }
-}
-
-/// Which drivers under test have faults, and how often at worst.
-fn conclusion(found: &Findings<'_>) -> String {
-    let tested = found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians());
-    let (lost, tested): (Vec<_>, Vec<_>) = tested.partition(|result| result.episodes == 0);
-    let (faulty, clean): (Vec<_>, Vec<_>) = tested.into_iter().partition(|result| {
-        let cell = result.cell.map(|cell| &found.cells[cell]);
-        cell.is_some_and(|cell| cell.count(&FAULT_COLLISIONS) > 0)
-            || result.searched.is_some_and(|searched| searched.fault > 0)
-    });
-    let often = |result: &&DriverResult| match result
-        .cell
-        .map(|cell| &found.cells[cell])
-        .filter(|cell| cell.count(&FAULT_COLLISIONS) > 0)
-    {
-        Some(cell) => {
-            format!("{} in {} of {} episodes", result.driver.name, cell.count(&FAULT_COLLISIONS), cell.count(&EPISODES))
-        }
-        None => format!("{} in searches", result.driver.name),
-    };
-    let list = |all: &[&DriverResult], text: &dyn Fn(&&DriverResult) -> String| {
-        all.iter().map(text).collect::<Vec<_>>().join(", ")
-    };
-    let mut said = String::new();
-    if !faulty.is_empty() {
-        said += &format!("Faults of {}. ", list(&faulty, &often));
-    }
-    if !clean.is_empty() {
-        said += &format!("No fault was found of {}. ", list(&clean, &|result| result.driver.name.clone()));
-    }
-    if !lost.is_empty() {
-        said += &format!("No episode counted of {}.", list(&lost, &|result| result.driver.name.clone()));
-    }
-    said
 }
 
 /// What is run, for a campaign without documentation: the drivers and the towns.

@@ -167,7 +167,8 @@ mod tests {
             sensor_model: None,
             surrogate: "",
         };
-        let result = DriverResult { driver, worst: Some(a.clone()), cell: None, searched: None, episodes: 1 };
+        let result =
+            DriverResult { driver, worst: Some(a.clone()), cell: None, searched: None, price: None, episodes: 1 };
         let page = failures(&[result], &Failures::default(), &[], &Players::default()).into_string();
         assert!(page.contains("List of failures"), "{page}");
     }

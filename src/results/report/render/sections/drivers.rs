@@ -47,6 +47,7 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
     // A terminal has no room for what is the same everywhere, nor beside evaluations for more; it shows the searches in a table of their own.
     let settings = |result: &&DriverResult| cells.iter().filter(|cell| cell.key.policy == result.driver.name).count();
     let setting = Column::text("where that is");
+    let priced = results.iter().any(|result| result.price.is_some());
     let setting = if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() };
     let beside = |column: Column| if evaluated { column.page_only() } else { column };
     let cell = |result: &DriverResult| result.cell.map(|cell| &cells[cell]);
@@ -56,6 +57,16 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
         .text("worst failure", DriverResult::worst_in_words)
         .column(Column::text("episode").page_only(), |result| {
             result.worst.as_ref().map(|worst| Value::failure(worst.name()))
+        })
+        .when(priced, |shown| {
+            let price = |result: &DriverResult| result.price;
+            shown
+                .number("progress", move |result| {
+                    price(result).map(|price| Value::estimate(Some(price.progress), Some(price.ends()), 2))
+                })
+                .column(Column::number("braked needlessly (95 %)").page_only(), move |result| {
+                    price(result)?.needless().map(|(share, ends)| Value::estimate(Some(share), Some(ends), 2))
+                })
         })
         .when(evaluated, |shown| {
             shown.column(Column::number("n").page_only(), |result| cell(result).map(|cell| cell.count(&EPISODES)))

@@ -136,6 +136,7 @@ mod tests {
             worst: None,
             cell: Some(cell),
             searched: None,
+            price: None,
             episodes: 100,
         };
         let results = [result("good", "idm", 0), result("blind", "cruise", 2)];

@@ -1,0 +1,107 @@
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::{Evaluation, Origin, Planned, Search};
+use crate::{Campaign, Job, RunId};
+use base::seed::Seed;
+use episode::{Criterion, EpisodeRule, RewardRule, Scenario};
+use world::av::{Cruise, CruiseKeys};
+
+/// What a driver gives for safety in a town: its progress, and needless braking.
+#[derive(Debug, Clone)]
+pub struct Pricing {
+    pub origin: Origin,
+    pub town: String,
+    /// Name of the driver.
+    pub policy: String,
+    /// The car and one pedestrian, without traffic lights.
+    pub scenario: Arc<Scenario>,
+    /// The same with a driver that drives as fast as limits and bends allow.
+    pub free: Arc<Scenario>,
+    pub starts: u32,
+}
+
+impl Pricing {
+    /// The seed of its starts, the same for all drivers.
+    pub fn drawn(&self, seed: &Seed) -> Seed {
+        seed.child("price").child(&self.town)
+    }
+}
+
+impl Planned for Pricing {
+    fn title(&self) -> String {
+        format!("{} in {}", self.policy, self.town)
+    }
+
+    fn places(&self) -> Vec<(&str, &Arc<Scenario>)> {
+        vec![(&self.town, &self.scenario)]
+    }
+
+    fn units(&self, _: u32) -> u64 {
+        self.starts.into()
+    }
+
+    fn ticks(&self, _: u32) -> u64 {
+        3 * u64::from(self.starts) * self.scenario.longest()
+    }
+
+    fn shorten(&mut self) {
+        self.starts = self.starts.min(2);
+    }
+
+    fn names(&self, _: &[Job]) -> Vec<String> {
+        let Self { origin, town, policy, starts, .. } = self;
+        let all: [&dyn ToString; 5] = [&"price", town, policy, &origin.fingerprint, starts];
+        all.map(ToString::to_string).into()
+    }
+}
+
+impl Pricing {
+    /// Those of a campaign: of each driver in each town, in the first setting in which an evaluation or a search tries it, as many starts as it has episodes at most, and `most` over
+    /// all towns. A test has a place for each of its cases, and another simulator has drivers of its own, so these have none.
+    pub fn of_campaign(campaign: &Campaign, most: u32) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for job in &campaign.jobs {
+            let (town, policy, scenario, episodes) = match (job.of::<Evaluation>(), job.of::<Search>()) {
+                (Some(Evaluation { town, policy, scenario, episodes, .. }), _) => {
+                    (&**town, &**policy, scenario, u64::from(*episodes))
+                }
+                (_, Some(Search { key, scenario, budget, .. })) => {
+                    (&*key.town, &*key.policy, scenario, budget / u64::from(scenario.episode.ticks))
+                }
+                _ => continue,
+            };
+            if scenario.external_world.is_some() || scenario.spawn.scripted().is_some() {
+                continue;
+            }
+            let starts = u32::try_from(episodes).unwrap_or(u32::MAX);
+            match all.iter_mut().find(|each| [&*each.town, &*each.policy] == [town, policy]) {
+                Some(known) => known.starts = known.starts.max(starts),
+                None => all.push(Self::new(job.origin(), [town, policy], scenario, starts)),
+            }
+        }
+        let towns = all.iter().map(|each| &each.town).collect::<BTreeSet<_>>().len().max(1);
+        let most = most.div_ceil(towns as u32);
+        all.iter_mut().for_each(|each| each.starts = each.starts.min(most));
+        all.retain(|each| each.starts > 0);
+        all
+    }
+
+    fn new(origin: &Origin, [town, policy]: [&str; 2], scenario: &Scenario, starts: u32) -> Self {
+        let scenario = Scenario {
+            cast: scenario.cast.alone(0),
+            reward: RewardRule::default(),
+            requirements: Arc::default(),
+            criterion: Criterion::Collision,
+            episode: EpisodeRule { end_when: None, traffic_lights: false, ..scenario.episode.clone() },
+            oracle: None,
+            ..scenario.clone()
+        };
+        let mut free = scenario.clone();
+        let fastest = || Cruise::new(CruiseKeys { limit_share: 1.0, ..CruiseKeys::default() });
+        free.cast.vehicles[0].policy = Arc::new(move || Box::new(fastest()));
+        let origin = Origin { id: RunId::default(), block: 0, run: 0, needs: None, ..origin.clone() };
+        let (scenario, free) = (Arc::new(scenario), Arc::new(free));
+        Self { origin, town: town.into(), policy: policy.into(), scenario, free, starts }
+    }
+}

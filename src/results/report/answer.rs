@@ -1,0 +1,52 @@
+//! The answer of a report: what was found about each driver under test, in a sentence.
+
+use super::caution::CRAWLS;
+use super::{DriverResult, Findings};
+use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
+
+/// A sentence about each driver under test, in the order of the report; about the baselines if there is no other.
+pub fn answer(found: &Findings<'_>) -> Vec<String> {
+    let tested: Vec<&DriverResult> =
+        found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians()).collect();
+    let shown = if tested.is_empty() { found.drivers.iter().collect() } else { tested };
+    shown.into_iter().filter(|result| result.episodes > 0).map(|result| sentence(found, result)).collect()
+}
+
+fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
+    let name = &result.driver.name;
+    // The cases of a test are no sample of episodes.
+    let own = found.cells.iter().filter(|cell| cell.key.policy == *name && !cell.is_fixed_cases());
+    let (faults, episodes) = own.fold((0, 0), |(faults, episodes), cell| {
+        (faults + u64::from(cell.count(&FAULT_COLLISIONS)), episodes + u64::from(cell.count(&EPISODES)))
+    });
+    let searched = result.searched.filter(|searched| searched.episodes > 0);
+    let of_searches = searched.map_or(0, |searched| searched.fault as u64);
+    let mut parts = Vec::new();
+    if let Some(searched) = searched {
+        parts.push(match searched.fault {
+            0 => format!("none in {} episodes of searches", searched.episodes),
+            1 => "1 fault in searches".into(),
+            faults => format!("{faults} faults in searches"),
+        });
+    }
+    if episodes > 0 {
+        parts.push(match faults {
+            0 => format!("none in {episodes} episodes"),
+            faults => format!("a fault in {faults} of {episodes} episodes"),
+        });
+    }
+    let worst = result
+        .worst
+        .as_ref()
+        .filter(|worst| worst.fault)
+        .map(|worst| format!("the worst at {:.1} m/s", worst.impact_speed));
+    parts.extend(worst);
+    let progress = result.price.map(|price| price.progress);
+    parts.extend(progress.map(|progress| format!("progress {progress:.2}")));
+    let verdict = match progress {
+        _ if faults + of_searches > 0 => "fails",
+        Some(progress) if progress < CRAWLS => "hardly drives",
+        _ => "has no fault",
+    };
+    format!("{name} {verdict}: {}", parts.join("; "))
+}
