@@ -20,17 +20,17 @@ const UPWARD: &[(&str, usize)] = &[
     ("process", 5),
     ("program", 86),
     ("results", 31),
-    ("road", 2),
+    ("road", 0),
     ("search", 0),
     ("verdict", 0),
     ("world", 0),
 ];
 
 /// The files that import each other in circles. The number of circles is no measure: a large one that falls in two is a step. The goal is 0.
-const IN_CIRCLES: usize = 165;
+const IN_CIRCLES: usize = 145;
 
 /// The functions of more than [`LONG`] lines from name to last brace, comments left out. The goal is 0.
-const LONG_FUNCTIONS: usize = 33;
+const LONG_FUNCTIONS: usize = 32;
 const LONG: usize = 60;
 
 /// The files that name a metric, besides the one that declares them all, summed over the metrics. A section may be about one; what is shown, gated and
