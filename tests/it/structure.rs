@@ -13,7 +13,7 @@ const UPWARD: &[(&str, usize)] = &[
     ("base", 0),
     ("compile", 74),
     ("episode", 4),
-    ("export", 9),
+    ("export", 0),
     ("lang", 1),
     ("learn", 0),
     ("ported", 0),
@@ -30,7 +30,7 @@ const UPWARD: &[(&str, usize)] = &[
 const IN_CIRCLES: usize = 145;
 
 /// The functions of more than [`LONG`] lines from name to last brace, comments left out. The goal is 0.
-const LONG_FUNCTIONS: usize = 32;
+const LONG_FUNCTIONS: usize = 31;
 const LONG: usize = 60;
 
 /// The files that name a metric, besides the one that declares them all, summed over the metrics. A section may be about one; what is shown, gated and
