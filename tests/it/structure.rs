@@ -11,7 +11,7 @@ use crate::house::{rust_files, top};
 /// here a file beside `lib.rs`, or a folder with all in it. The goal of each is 0.
 const UPWARD: &[(&str, usize)] = &[
     ("base", 0),
-    ("compile", 74),
+    ("compile", 2),
     ("episode", 4),
     ("export", 0),
     ("lang", 1),
@@ -27,10 +27,10 @@ const UPWARD: &[(&str, usize)] = &[
 ];
 
 /// The files that import each other in circles. The number of circles is no measure: a large one that falls in two is a step. The goal is 0.
-const IN_CIRCLES: usize = 122;
+const IN_CIRCLES: usize = 93;
 
 /// The functions of more than [`LONG`] lines from name to last brace, comments left out. The goal is 0.
-const LONG_FUNCTIONS: usize = 30;
+const LONG_FUNCTIONS: usize = 25;
 const LONG: usize = 60;
 
 /// The files that name a metric, besides the one that declares them all, summed over the metrics. A section may be about one; what is shown, gated and
