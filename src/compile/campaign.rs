@@ -1,5 +1,5 @@
 use base::keys;
-use base::signature::{DeclarationId, Form, Keys};
+use base::signature::{DeclarationId, Form, Keys, Signature};
 
 keys! {
     /// What is run: which pedestrians are trained, where they are evaluated, and which searches are compared.
@@ -51,9 +51,8 @@ keys! {
     struct MatrixKeys = "matrix" {}
 }
 
-/// The form `campaign`.
-pub fn form() -> Form {
-    let jobs = super::jobs::BLOCKS.iter().map(|block| (block.signature)());
+/// The form `campaign`, with the blocks of jobs that it may hold.
+pub fn form(jobs: impl Iterator<Item = Signature>) -> Form {
     let blocks = std::iter::once(MatrixKeys::signature()).chain(jobs).collect();
     Form { multiplies: true, ..Form::plain(CampaignKeys::signature().holding(blocks)) }
 }

@@ -1,16 +1,12 @@
 use std::sync::Arc;
 
 use super::falsifier::FalsifierKind;
-use super::jobs::{STOCHASTIC, TRAINED, UNTRAINED};
 use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
-use super::walker::WalkerKind;
-use super::{
-    adversary, campaign, controller, external_world, falsifier, policy, published, requirement, reward, role, sensors,
-    spawn, town, training, vehicle, walker,
-};
-use base::signature::{Form, Keys, Signature, Type, Vocabulary};
-use episode::{EpisodeRule, MapWriter};
+use super::walker::{STOCHASTIC, TRAINED, UNTRAINED, WalkerKind};
+use base::signature::{Form, Signature, Type, Vocabulary};
+use episode::MapWriter;
+use lang::hir::Declaration;
 use world::av::external::Opener;
 
 /// Tries a network where it can do no harm, before it is loaded into this process. Returns the time of a decision (s) if that is long; the error is the reason,
@@ -44,44 +40,6 @@ pub struct Catalog {
 }
 
 impl Catalog {
-    /// The catalogue of this program; scenarios may not start programs.
-    pub fn builtin() -> Self {
-        let forms = vec![
-            town::form(),
-            policy::form(),
-            sensors::form(),
-            vehicle::form(),
-            adversary::form(),
-            spawn::form(),
-            reward::form(),
-            requirement::form(),
-            Form::plain(EpisodeRule::signature()),
-            training::form(),
-            controller::form(),
-            falsifier::form(),
-            role::form(),
-            external_world::form(),
-            published::form(),
-            campaign::form(),
-        ];
-        let bare = Self {
-            forms,
-            vocabulary: episode::vocabulary(),
-            policies: Vec::new(),
-            towns: vec![town::drawn()],
-            walkers: Vec::new(),
-            falsifiers: Vec::new(),
-            opener: None,
-            looks_up: false,
-            network_trial: None,
-            map_writer: None,
-        };
-        let with_towns = town::kinds().into_iter().try_fold(bare, Self::with_town);
-        let with_policies = policy::kinds().into_iter().try_fold(with_towns.expect(DIFFER), Self::with_policy);
-        let with_walkers = walker::kinds().into_iter().try_fold(with_policies.expect(DIFFER), Self::with_walker);
-        falsifier::kinds().into_iter().try_fold(with_walkers.expect(DIFFER), Self::with_falsifier).expect(DIFFER)
-    }
-
     /// The same; scenarios may start programs through this opener.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }
@@ -169,12 +127,15 @@ impl Catalog {
         [TRAINED, STOCHASTIC, UNTRAINED].contains(&name) || self.walkers.iter().any(|kind| kind.word() == name)
     }
 
-    fn form_of(&mut self, name: &str) -> &mut Form {
-        self.forms.iter_mut().find(|form| form.name == name).expect("the form is built in")
+    /// The signature of a driver's kind.
+    pub(super) fn signature_of(&self, driver: &Declaration) -> Option<&Signature> {
+        let drivers = self.forms.iter().filter(|form| form.name == driver.form);
+        drivers.flat_map(|form| &form.kinds).find(|kind| kind.name == driver.kind)
     }
 
     fn add(&mut self, form: &'static str, signature: Signature) -> Result<(), TakenKind> {
-        let Form { kinds, plain, .. } = self.form_of(form);
+        let found = self.forms.iter_mut().find(|known| known.name == form);
+        let Form { kinds, plain, .. } = found.expect("the form is built in");
         if kinds.iter().chain(&*plain).any(|known| known.name == signature.name) {
             return Err(TakenKind { form, kind: signature.name });
         }
@@ -182,5 +143,3 @@ impl Catalog {
         Ok(())
     }
 }
-
-const DIFFER: &str = "the built-in kinds have different names";

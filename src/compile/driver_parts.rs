@@ -1,8 +1,7 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use super::policy;
-use super::policy_kind::{CommonKeys, FromArguments};
+use super::policy_kind::{CommonKeys, FromArguments, assembled};
 use base::signature::{Arguments, Keys, Signature, Type, Value};
 use base::units::Dimension;
 use episode::{DriverParts, PolicyMaker, Setting};
@@ -28,7 +27,7 @@ pub fn parts(
 ) -> DriverParts {
     let own = &declaration.block.arguments;
     let make = move |arguments: &Arguments, model: Option<SensorModel>| {
-        policy::assembled(make(arguments), arguments, model.map(Arc::new))
+        assembled(make(arguments), arguments, model.map(Arc::new))
     };
     let CommonKeys { sensors, actuation_delay } = declaration.block.keys();
     let is_late = actuation_delay > 0.0 || model.is_some_and(|model| model.keys.latency > 0.0);
@@ -45,7 +44,7 @@ pub fn parts(
     };
     let inexact: Vec<_> = respects.into_iter().filter_map(inexact).collect();
     let mut settings = Vec::new();
-    if let Some(signature) = policy::signature(declaration, lowering.catalog) {
+    if let Some(signature) = lowering.catalog.signature_of(declaration) {
         let (make, model, own) = (make.clone(), model.cloned(), own.clone());
         let maker: MakeOf = Arc::new(move |changed| make(changed, model.clone()));
         settings.extend(quantities(signature, &own, "", &maker));
@@ -147,7 +146,7 @@ mod tests {
 
     #[test]
     fn every_quantity_of_a_driver_or_of_sensors_has_a_direction_or_is_no_repair() {
-        let kinds = policy::kinds().into_iter().map(|kind| kind.signature);
+        let kinds = crate::policy::kinds().into_iter().map(|kind| kind.signature);
         let all =
             kinds.chain([SensorKeys::signature(), CommonKeys::signature()]).flat_map(|signature| signature.params);
         let quantity = |param: &base::signature::Param| matches!(param.ty, Type::Quantity { .. });

@@ -18,15 +18,6 @@ pub fn form() -> Form {
     Form::of_kinds("world", doc, vec![BridgeKeys::signature()])
 }
 
-/// The bridges of the Python package.
-pub const BRIDGES: [&str; 4] = ["metadrive", "sumo", "carla", "esmini"];
-
-/// The command of a bridge: that of the Python package if the text begins with a name of it, as `metadrive mended`, else the text.
-pub fn bridge_command(text: &str) -> String {
-    let is_known = text.split_whitespace().next().is_some_and(|name| BRIDGES.contains(&name));
-    if is_known { format!("python3 -m falsify_av.bridges {text}") } else { text.into() }
-}
-
 /// A world in which episodes of a block happen: ours, or another simulator.
 pub(crate) type WorldAxis = Option<Axis<Arc<ExternalWorld>>>;
 

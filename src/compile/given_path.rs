@@ -1,11 +1,27 @@
-use super::spawn::RouteKeys;
 use base::diagnostic::Diagnostic;
 use base::keys;
 use base::signature::Distribution;
 use episode::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, RoadShape, SpawnRule};
 use lang::diagnostics;
-use lang::hir::Declaration;
+use lang::hir::{Block, Declaration};
+use road::RoadOption;
 use road::geometry::{Point, Pose};
+
+keys! {
+    /// The way of the ego.
+    pub struct RouteKeys {
+        /// Turns that the driver takes at the next forks of its road, in order, whatever driver it is. Afterwards, and without
+        /// it, the driver finds its own way.
+        ego_route: Option<Vec<RoadOption>> as Step(&["left", "straight", "right"]),
+    }
+}
+
+impl RouteKeys {
+    /// The turns, in order.
+    pub fn turns(self) -> Vec<RoadOption> {
+        self.ego_route.unwrap_or_default()
+    }
+}
 
 keys! {
     /// The pedestrian walks a stated path, whatever the car does. `scripted` follows it as it is given; other pedestrians choose
@@ -34,60 +50,9 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
     let block = &declaration.block;
     let keys: GivenPathKeys = block.keys();
     let through: Vec<Point> = keys.through.into_iter().map(Point::from).collect();
-    let mut wrong = |key: &str, message: String, help: &str| {
-        said.push(diagnostics::contradiction(block.place(key), message).help(help.to_string()));
-    };
-    let length = |ends: &[Point]| (ends[1] - ends[0]).norm();
-    if through.len() < 2 || through.windows(2).all(|ends| length(ends) == 0.0) {
-        wrong("through", "this path leads nowhere".into(), "give two different points at least");
-        return None;
-    }
-    let pieces = through.len() - 1;
-    let times = match (keys.speeds, keys.times) {
-        (Some(_), Some(_)) => {
-            wrong("times", "a path has either `speeds` or `times`".into(), "remove one of them");
-            return None;
-        }
-        (None, None) => {
-            let head = block.head;
-            let message = "the path does not state how fast the pedestrian walks".to_string();
-            said.push(diagnostics::contradiction(head, message).help("add `speeds: [5 km/h]`, or `times`"));
-            return None;
-        }
-        (None, Some(times)) => {
-            let falls = times.windows(2).zip(through.windows(2));
-            let late =
-                |(times, ends): (&[f64], &[Point])| times[1] < times[0] || times[1] == times[0] && length(ends) > 0.0;
-            if times.len() != through.len() || times.first() != Some(&0.0) || falls.into_iter().any(late) {
-                let message = format!("{} points need as many times that grow from 0 s", through.len());
-                wrong("times", message, "give one time for each point of `through`, such as `[0 s, 2.5 s]`");
-                return None;
-            }
-            times
-        }
-        (Some(speeds), None) => {
-            if speeds.len() != 1 && speeds.len() != pieces {
-                let message = format!(
-                    "{} speeds for a path of {pieces} piece{}",
-                    speeds.len(),
-                    if pieces == 1 { "" } else { "s" }
-                );
-                wrong("speeds", message, "give one speed for all pieces, or one for each");
-                return None;
-            }
-            if through.windows(2).any(|ends| length(ends) == 0.0) {
-                wrong("through", "a point stands twice in a row".into(), "a stop needs `times` instead of `speeds`");
-                return None;
-            }
-            let mut times = vec![0.0];
-            for (ends, speed) in through.windows(2).zip(speeds.iter().cycle()) {
-                times.push(times[times.len() - 1] + length(ends) / speed);
-            }
-            times
-        }
-    };
+    let times = times(block, &through, keys.speeds, keys.times, said)?;
     if keys.ego_speed.is_some() && keys.test_speed.is_some() {
-        wrong("test_speed", "the ego has either an `ego_speed` or a `test_speed`".into(), "remove one of them");
+        said.push(diagnostics::two_speeds(block.place("test_speed")));
         return None;
     }
     let egos: Vec<Pose> = keys.ego_poses.into_iter().map(Pose::from).collect();
@@ -109,6 +74,68 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         target_walk: None,
         given_path: Some(GivenPath { points, delay: keys.delay }),
     })
+}
+
+/// When the pedestrian is at each point of the path; `None` after reporting what is wrong.
+fn times(
+    block: &Block,
+    through: &[Point],
+    speeds: Option<Vec<f64>>,
+    times: Option<Vec<f64>>,
+    said: &mut Vec<Diagnostic>,
+) -> Option<Vec<f64>> {
+    let mut wrong = |key: &str, message: String, help: &str| {
+        said.push(diagnostics::contradiction(block.place(key), message).help(help.to_string()));
+    };
+    let length = |ends: &[Point]| (ends[1] - ends[0]).norm();
+    if through.len() < 2 || through.windows(2).all(|ends| length(ends) == 0.0) {
+        wrong("through", "this path leads nowhere".into(), "give two different points at least");
+        return None;
+    }
+    let pieces = through.len() - 1;
+    match (speeds, times) {
+        (Some(_), Some(_)) => {
+            wrong("times", "a path has either `speeds` or `times`".into(), "remove one of them");
+            None
+        }
+        (None, None) => {
+            let head = block.head;
+            let message = "the path does not state how fast the pedestrian walks".to_string();
+            said.push(diagnostics::contradiction(head, message).help("add `speeds: [5 km/h]`, or `times`"));
+            None
+        }
+        (None, Some(times)) => {
+            let falls = times.windows(2).zip(through.windows(2));
+            let late =
+                |(times, ends): (&[f64], &[Point])| times[1] < times[0] || times[1] == times[0] && length(ends) > 0.0;
+            if times.len() != through.len() || times.first() != Some(&0.0) || falls.into_iter().any(late) {
+                let message = format!("{} points need as many times that grow from 0 s", through.len());
+                wrong("times", message, "give one time for each point of `through`, such as `[0 s, 2.5 s]`");
+                return None;
+            }
+            Some(times)
+        }
+        (Some(speeds), None) => {
+            if speeds.len() != 1 && speeds.len() != pieces {
+                let message = format!(
+                    "{} speeds for a path of {pieces} piece{}",
+                    speeds.len(),
+                    if pieces == 1 { "" } else { "s" }
+                );
+                wrong("speeds", message, "give one speed for all pieces, or one for each");
+                return None;
+            }
+            if through.windows(2).any(|ends| length(ends) == 0.0) {
+                wrong("through", "a point stands twice in a row".into(), "a stop needs `times` instead of `speeds`");
+                return None;
+            }
+            let mut times = vec![0.0];
+            for (ends, speed) in through.windows(2).zip(speeds.iter().cycle()) {
+                times.push(times[times.len() - 1] + length(ends) / speed);
+            }
+            Some(times)
+        }
+    }
 }
 
 /// The least distance from the first point to an obstacle (m): room for the largest body.

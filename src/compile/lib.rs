@@ -4,55 +4,60 @@
 //! the values of the keys into something that runs. Kinds of drivers, pedestrians and searches own their keys themselves. Each kind is a line of a
 //! table with its keys and its constructor; a [`Catalog`] holds those of the caller, too.
 
-mod catalog;
-mod reference;
-mod explain;
-mod interface_pages;
+mod fingerprint;
+mod run_id;
+mod noting;
+mod reached;
+mod programs;
+
 mod town;
 mod vehicle;
-mod policy_kind;
-mod policy;
-mod driver_parts;
-mod outside;
-mod programs;
-mod sensors;
-mod sensor_suites;
 mod adversary;
-mod spawn;
+mod sector;
 mod target_walk;
 mod given_path;
-mod sector;
-mod reward;
-mod requirement;
-mod training;
-mod walker;
-mod role;
-mod external_world;
+mod spawn;
+mod sensor_suites;
+mod sensors;
+mod policy_kind;
 mod falsifier;
-mod published;
-mod controller;
-mod campaign;
-mod plan;
-mod jobs;
-mod noting;
+mod walker;
+mod catalog;
+mod reference;
+mod interface_pages;
+mod explain;
+
 mod lowering;
-mod fingerprint;
 mod digest;
-mod run_id;
+mod requirement;
+mod reward;
+mod training;
+mod outside;
+mod driver_parts;
+mod plan;
+mod policy;
+mod controller;
+mod role;
+mod published;
+mod campaign;
+mod grid;
+mod external_world;
+mod jobs;
+
+mod builtin;
 mod run_names;
-mod reached;
 mod variants;
 mod whole_plan;
 mod lower;
-mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use episode::HERE;
-pub use external_world::{BRIDGES, Misfit, Staging, bridge_command};
+pub use external_world::{Misfit, Staging};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use jobs::*;
 pub use lower::{Compiled, Overrides, compile, compile_with};
+pub use outside::{BRIDGES, bridge_command};
 pub use plan::{
     Campaign, Documented, Driver, NamedTown, OutsideSetting, Plan, Published, PublishedCell, PublishedFigure,
 };
@@ -62,4 +67,4 @@ pub use published::published_columns;
 pub use reference::{block, key, short_key};
 pub use run_id::{NoRunId, RunId};
 pub use town::TownKind;
-pub use walker::WalkerKind;
+pub use walker::{UNTRAINED, WalkerKind};

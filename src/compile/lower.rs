@@ -92,17 +92,7 @@ pub fn compile_with(
         lowering.variant(variant, &settings, &mut plan);
         said.push(own);
     }
-    for (variant, own) in variants.iter().zip(&said) {
-        let combination = format!("so it is with {}", variant.settings.join(", "));
-        let is_of_all = |each: &Diagnostic| said.iter().all(|other| other.contains(each));
-        let named = own.iter().cloned().map(|mut each| {
-            if !variant.settings.is_empty() && !is_of_all(&each) {
-                each.help.insert(0, combination.clone());
-            }
-            each
-        });
-        diagnostics.extend(named);
-    }
+    diagnostics.extend(of_variants(&variants, &said));
     plan.settings = settings.iter().map(|each| plan.reached_by(each.text(sources))).collect();
     if !overrides.only_checked {
         plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(1));
@@ -123,6 +113,23 @@ pub fn compile_with(
         _ => (None, None),
     };
     Ok(Compiled { plan, unplaced, diagnostics })
+}
+
+/// What was said of each variant, with its combination where that is not said of all.
+fn of_variants(variants: &[Variant], said: &[Vec<Diagnostic>]) -> Vec<Diagnostic> {
+    let mut all = Vec::new();
+    for (variant, own) in variants.iter().zip(said) {
+        let combination = format!("so it is with {}", variant.settings.join(", "));
+        let is_of_all = |each: &Diagnostic| said.iter().all(|other| other.contains(each));
+        let named = own.iter().cloned().map(|mut each| {
+            if !variant.settings.is_empty() && !is_of_all(&each) {
+                each.help.insert(0, combination.clone());
+            }
+            each
+        });
+        all.extend(named);
+    }
+    all
 }
 
 /// Sorts diagnostics by their places: file by file, line by line. The phases report them one after the other.

@@ -1,11 +1,13 @@
-//! Kinds of driving policies that need a program or a file in addition to their arguments.
+//! Programs and networks of the user: drivers of them, and what a task depends on.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::external_world::bridge_command;
 use super::lowering::Lowering;
 use super::policy_kind::FromArguments;
-use base::signature::{Arguments, Keys};
+use super::programs::{ExternalProgram, Programs};
+use super::reached::reached;
+use base::signature::{Arguments, DeclarationId, Keys};
 use episode::BridgeKeys;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
@@ -13,6 +15,15 @@ use ported::pufferdrive::{BLAKE3, Network, ORIGIN, PufferDrive, PufferDriveKeys}
 use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys};
+
+/// The bridges of the Python package.
+pub const BRIDGES: [&str; 4] = ["metadrive", "sumo", "carla", "esmini"];
+
+/// The command of a bridge: that of the Python package if the text begins with a name of it, as `metadrive mended`, else the text.
+pub fn bridge_command(text: &str) -> String {
+    let is_known = text.split_whitespace().next().is_some_and(|name| BRIDGES.contains(&name));
+    if is_known { format!("python3 -m falsify_av.bridges {text}") } else { text.into() }
+}
 
 /// A program, if the user allows programs. It is not started here. Other arguments may have other parameters for it.
 pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
@@ -72,6 +83,46 @@ impl Lowering<'_> {
             return None;
         }
         Some((program, opener))
+    }
+
+    /// Finds the digests of the files that the program of a declaration consists of.
+    ///
+    /// # Errors
+    /// A file cannot be read, as a part of a sentence.
+    fn note_program(
+        &mut self,
+        declaration: &Declaration,
+        program: &Program,
+        opener: &dyn Opener,
+    ) -> Result<(), String> {
+        if !self.read.wanted() || self.catalog.looks_up || self.noted(declaration).is_some() {
+            return Ok(());
+        }
+        let ProgramKeys { command, version, .. } = declaration.block.keys();
+        let (name, folder) = (declaration.name.clone(), program.folder.clone());
+        let found = ExternalProgram { name, command, version, folder, files: opener.digests(program)? };
+        self.shared.programs.entry(declaration.id).or_default().push((declaration.block.clone(), Arc::new(found)));
+        Ok(())
+    }
+
+    /// Notes what the program of a declaration says of its version, unless the scenario states its version or its files.
+    pub(super) fn note_version(&mut self, declaration: &Declaration, version: &str) {
+        let known = self.shared.programs.get_mut(&declaration.id).into_iter().flatten();
+        for (_, program) in known.filter(|(block, program)| *block == declaration.block && program.is_unknown()) {
+            Arc::make_mut(program).version = Some(version.into());
+        }
+    }
+
+    /// The program of a declaration, if it has one.
+    pub(super) fn noted(&self, declaration: &Declaration) -> Option<&Arc<ExternalProgram>> {
+        let known = self.shared.programs.get(&declaration.id)?;
+        known.iter().find(|(block, _)| *block == declaration.block).map(|(_, program)| program)
+    }
+
+    /// The programs that a task depends on which depends on these declarations.
+    pub(super) fn programs(&self, parts: &[DeclarationId]) -> Programs {
+        let all: BTreeSet<DeclarationId> = parts.iter().flat_map(|part| reached(self.program, *part)).collect();
+        all.into_iter().filter_map(|id| self.noted(self.program.get(id))).cloned().collect()
     }
 
     /// The network in the file of the key `model`. It is tried before it is loaded; `None` after reporting what is wrong.

@@ -2,8 +2,9 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::Job;
+use super::{ExternalProgram, Job, Planned, RunId};
 use base::signature::{Arguments, Keys};
+use episode::Scenario;
 use episode::requirement::NamedRequirement;
 use road::Town;
 use world::av::CruiseKeys;
@@ -94,6 +95,64 @@ pub struct Campaign {
     pub jobs: Vec<Job>,
     /// Published results, to be compared with its figures.
     pub published: Vec<Published>,
+}
+
+impl Campaign {
+    /// The jobs of a kind, in order.
+    pub fn all<T: Planned>(&self) -> impl Iterator<Item = &T> + Clone {
+        self.jobs.iter().filter_map(Job::of)
+    }
+
+    /// The job of a kind with this number, from 0.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    pub fn nth<T: Planned>(&self, number: usize) -> &T {
+        self.all().nth(number).expect("the campaign has as many jobs of this kind")
+    }
+
+    /// The programs of the user that its jobs depend on, each once.
+    pub fn programs(&self) -> Vec<&Arc<ExternalProgram>> {
+        let mut all: Vec<&Arc<ExternalProgram>> = Vec::new();
+        for program in self.jobs.iter().flat_map(|job| job.origin().programs.iter()) {
+            if !all.contains(&program) {
+                all.push(program);
+            }
+        }
+        all
+    }
+
+    /// One scenario for every spawn rule in every town, with the town's name, each once.
+    pub fn starts(&self) -> Vec<(&str, &Arc<Scenario>)> {
+        let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
+        for (town, scenario) in self.jobs.iter().flat_map(|job| job.planned().places()) {
+            if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
+                all.push((town, scenario));
+            }
+        }
+        all
+    }
+
+    /// Shortens it to a quick check of the whole pipeline: the first run of each job, with less work.
+    pub fn shorten(&mut self) {
+        let is_first: Vec<bool> = self.jobs.iter().map(|job| job.origin().run == 0).collect();
+        let place = |old: usize| is_first[..old].iter().filter(|first| **first).count();
+        self.jobs.retain(|job| job.origin().run == 0);
+        for job in &mut self.jobs {
+            job.planned_mut().shorten();
+            let origin = job.origin_mut();
+            origin.needs = origin.needs.map(place);
+        }
+    }
+
+    /// Gives jobs the short names that this function has for them, if it has any.
+    pub fn rename(&mut self, mut name: impl FnMut(&Job) -> Option<RunId>) {
+        for job in &mut self.jobs {
+            if let Some(new) = name(job) {
+                job.origin_mut().id = new;
+            }
+        }
+    }
 }
 
 /// A published table.

@@ -2,11 +2,10 @@ use std::sync::Arc;
 
 use super::lowering::{Lowering, MadeDriver};
 use super::plan::Driver;
-use super::policy_kind::{CommonKeys, FromArguments, PolicyKind, Sight};
-use super::{Catalog, driver_parts, outside, sensors};
+use super::policy_kind::{CommonKeys, FromArguments, Maker, PolicyKind, Sight, assembled};
+use super::{driver_parts, outside, sensors};
 use base::diagnostic::{Sources, Span};
-use base::signature::{Arguments, Form, Keys, Signature, Type, Value, short};
-use episode::PolicyMaker;
+use base::signature::{Form, Keys, Signature, Type, Value, short};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use ported::behavior_agent::BehaviorAgent;
@@ -15,8 +14,8 @@ use ported::lav::Lav;
 use ported::pufferdrive::PufferDriveKeys;
 use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
-use world::av::sensors::{SensorKeys, SensorModel, SensorWrapper};
-use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, Idm, Native, OracleBrake, Predictive, RssGuarded};
+use world::av::sensors::{SensorKeys, SensorModel};
+use world::av::{Aeb, CarefulHuman, Cruise, Idm, Native, OracleBrake, Predictive, RssGuarded};
 
 /// All kinds of drivers; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
@@ -32,9 +31,9 @@ pub fn kinds() -> Vec<PolicyKind> {
         PolicyKind::new(OracleBrake::new),
         PolicyKind::new(CarefulHuman::new),
         PolicyKind::new(Native::new).with_sight(Sight::Blind),
-        PolicyKind::outside::<ExternalKeys>(outside::external),
-        PolicyKind::outside::<OnnxKeys>(outside::onnx),
-        PolicyKind::outside::<PufferDriveKeys>(outside::pufferdrive).with_sight(Sight::ThroughWalls),
+        PolicyKind::of::<ExternalKeys>(Maker::Program),
+        PolicyKind::of::<OnnxKeys>(Maker::Network),
+        PolicyKind::of::<PufferDriveKeys>(Maker::PufferDrive).with_sight(Sight::ThroughWalls),
     ]
 }
 
@@ -75,26 +74,9 @@ pub fn sees_through(declaration: &Declaration, lowering: &Lowering<'_>) -> bool 
         && sensor_model(declaration, lowering).is_none_or(|model| !model.looks())
 }
 
-/// A driver with the delay of its arguments and behind sensors.
-pub(crate) fn assembled(mut make: PolicyMaker, arguments: &Arguments, model: Option<Arc<SensorModel>>) -> PolicyMaker {
-    let CommonKeys { actuation_delay, .. } = CommonKeys::read(arguments);
-    if actuation_delay > 0.0 {
-        let prompt = make;
-        make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), actuation_delay)));
-    }
-    let Some(model) = model else { return make };
-    Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone())))
-}
-
-/// The signature of a driver's kind.
-pub fn signature<'a>(declaration: &Declaration, catalog: &'a Catalog) -> Option<&'a Signature> {
-    let policies = catalog.forms.iter().filter(|form| form.name == declaration.form);
-    policies.flat_map(|form| &form.kinds).find(|kind| kind.name == declaration.kind)
-}
-
 /// The description of a driver, for reports.
 pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
-    let kind = signature(declaration, lowering.catalog);
+    let kind = lowering.catalog.signature_of(declaration);
     let arguments = &declaration.block.arguments;
     let CommonKeys { sensors, .. } = declaration.block.keys();
     let sensors = sensors.map(|sensors| lowering.program.get(sensors));
@@ -143,5 +125,10 @@ fn kind<'a>(declaration: &Declaration, lowering: &Lowering<'a>) -> &'a PolicyKin
 }
 
 fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
-    (kind(declaration, lowering).lower)(declaration, lowering)
+    match &kind(declaration, lowering).maker {
+        Maker::Here(make) => Some(make.clone()),
+        Maker::Program => outside::external(declaration, lowering),
+        Maker::Network => outside::onnx(declaration, lowering),
+        Maker::PufferDrive => outside::pufferdrive(declaration, lowering),
+    }
 }

@@ -1,11 +1,10 @@
 use std::sync::Arc;
 
-use super::lowering::Lowering;
 use base::keys;
 use base::signature::{Arguments, DeclarationId, Keys, Signature};
 use episode::PolicyMaker;
-use lang::hir::Declaration;
-use world::av::DrivingPolicy;
+use world::av::sensors::{SensorModel, SensorWrapper};
+use world::av::{ActuationDelay, DrivingPolicy};
 
 /// What a kind of driver knows of other actors, unless its sensors say otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,12 +24,21 @@ pub struct PolicyKind {
     pub signature: Signature,
     /// What its drivers know of other actors.
     pub sight: Sight,
-    /// Builds a maker; `None` after reporting what is wrong.
-    pub(super) lower: Lower,
+    pub(super) maker: Maker,
 }
 
-/// From a declaration to what makes drivers of arguments such as its own; `None` after reporting what is wrong.
-type Lower = Arc<dyn Fn(&Declaration, &mut Lowering<'_>) -> Option<FromArguments> + Send + Sync>;
+/// What makes the drivers of a kind.
+#[derive(Clone)]
+pub(super) enum Maker {
+    /// A function of their arguments.
+    Here(FromArguments),
+    /// A program of the user.
+    Program,
+    /// A network in a file.
+    Network,
+    /// PufferDrive's network, with weights from a file.
+    PufferDrive,
+}
 
 /// From arguments of a kind to what makes new drivers.
 pub(super) type FromArguments = Arc<dyn Fn(&Arguments) -> PolicyMaker + Send + Sync>;
@@ -39,20 +47,15 @@ impl PolicyKind {
     /// A kind with these keys. `make` is called once for each driver that is needed, from any thread.
     pub fn new<K: Keys + 'static, P: DrivingPolicy + 'static>(make: impl Fn(K) -> P + Send + Sync + 'static) -> Self {
         let make = Arc::new(make);
-        Self::outside::<K>(move |_, _| {
-            let make = make.clone();
-            Some(Arc::new(move |arguments| {
-                let (arguments, make) = (arguments.clone(), make.clone());
-                Arc::new(move || Box::new(make(K::read(&arguments))))
-            }))
-        })
+        Self::of::<K>(Maker::Here(Arc::new(move |arguments| {
+            let (arguments, make) = (arguments.clone(), make.clone());
+            Arc::new(move || Box::new(make(K::read(&arguments))))
+        })))
     }
 
-    /// A kind that needs a program or a file in addition to these keys.
-    pub(super) fn outside<K: Keys>(
-        lower: impl Fn(&Declaration, &mut Lowering<'_>) -> Option<FromArguments> + Send + Sync + 'static,
-    ) -> Self {
-        Self { signature: K::signature(), sight: Sight::Clear, lower: Arc::new(lower) }
+    /// A kind with these keys.
+    pub(super) fn of<K: Keys>(maker: Maker) -> Self {
+        Self { signature: K::signature(), sight: Sight::Clear, maker }
     }
 
     /// The same, with drivers that know this of other actors; without it, where those are that nothing hides.
@@ -77,4 +80,15 @@ keys! {
 pub(super) fn with_common_keys(mut signature: Signature) -> Signature {
     signature.params.extend(CommonKeys::signature().params);
     signature
+}
+
+/// A driver with the delay of its arguments and behind sensors.
+pub(super) fn assembled(mut make: PolicyMaker, arguments: &Arguments, model: Option<Arc<SensorModel>>) -> PolicyMaker {
+    let CommonKeys { actuation_delay, .. } = CommonKeys::read(arguments);
+    if actuation_delay > 0.0 {
+        let prompt = make;
+        make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), actuation_delay)));
+    }
+    let Some(model) = model else { return make };
+    Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone())))
 }

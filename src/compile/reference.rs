@@ -95,7 +95,8 @@ pub fn block(child: &Signature) -> String {
 }
 
 fn block_with_keys(child: &Signature, line: &mut dyn FnMut(&Param) -> Option<String>) -> String {
-    with_keys(&format!("{} {{ … }}", child.name), child, line).replacen("`:", &format!("`, {}:", child.occurrence()), 1)
+    let occurs = if child.once { "at most once" } else { "any number of times" };
+    with_keys(&format!("{} {{ … }}", child.name), child, line).replacen("`:", &format!("`, {occurs}:"), 1)
 }
 
 /// A key with its type, units, default and meaning, as a line of a list.

@@ -32,7 +32,8 @@ impl Campaign {
     pub fn name_runs(&mut self, seed: u64) {
         let mut register = Register::default();
         let name = |job: &Job| {
-            let names = job.planned().names(&self.jobs);
+            let needed = job.origin().needs.map(|place| self.jobs[place].planned());
+            let names = job.planned().names(needed);
             let all = [self.name.clone(), seed.to_string()].into_iter().chain(names.iter().cloned());
             // Each name has an end, so that no two lists are one text.
             (!names.is_empty()).then(|| register.name(all.flat_map(|name| [name, "\0".into()]).collect()))

@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use super::given_path::GivenPathKeys;
+use super::given_path::{GivenPathKeys, RouteKeys};
 use super::target_walk::{AlongTestKeys, CrossingTestKeys};
 use super::{given_path, sector, target_walk};
 use base::diagnostic::{Diagnostic, Sources};
@@ -9,7 +9,6 @@ use base::{choice, keys};
 use episode::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
-use road::RoadOption;
 use road::geometry::Pose;
 
 choice! {
@@ -70,22 +69,6 @@ keys! {
     }
 }
 
-keys! {
-    /// The way of the ego.
-    pub struct RouteKeys {
-        /// Turns that the driver takes at the next forks of its road, in order, whatever driver it is. Afterwards, and without
-        /// it, the driver finds its own way.
-        ego_route: Option<Vec<RoadOption>> as Step(&["left", "straight", "right"]),
-    }
-}
-
-impl RouteKeys {
-    /// The turns, in order.
-    pub fn turns(self) -> Vec<RoadOption> {
-        self.ego_route.unwrap_or_default()
-    }
-}
-
 /// A kind of start in which the pedestrian's walk is stated: its keys, and its rule; `None` after reporting what is wrong.
 type WalkKind = (fn() -> Signature, fn(&Declaration, &mut Vec<Diagnostic>) -> Option<SpawnRule>);
 
@@ -117,17 +100,12 @@ pub fn lower(
     let steady = keys.ego_speed.is_none();
     let at_rest = Distribution::Constant(0.0);
     if !steady && keys.test_speed.is_some() {
-        let message = "the ego has either an `ego_speed` or a `test_speed`".to_string();
-        said.push(diagnostics::contradiction(block.place("test_speed"), message).help("remove one of them"));
+        said.push(diagnostics::two_speeds(block.place("test_speed")));
         return None;
     }
     let before = said.len();
     if keys.measure == Measure::Area && !matches!(keys.distance, Distribution::Uniform(..)) {
-        let message = "places are uniform over the ground only when the distance is a range `low .. high`".to_string();
-        said.push(
-            diagnostics::contradiction(block.place("measure"), message)
-                .label(block.place("distance"), "this is not a range"),
-        );
+        said.push(diagnostics::no_area(block.place("measure"), block.place("distance")));
     }
     let mut constraints = vec![Constraint::Clearance(keys.clearance)];
     constraints.extend(keys.ground.map(Constraint::Ground));
@@ -140,9 +118,7 @@ pub fn lower(
     let mut drawn = [("bearing", keys.bearing), ("distance", keys.distance), ("ego_speed", speed)];
     for (condition, span) in keys.require.into_iter().flatten().zip(block.members("require").iter().copied()) {
         if steady && sector::names(&condition, vocabulary, "ego_speed") {
-            let message = "`ego_speed` is not drawn here: the driver comes at its own speed".to_string();
-            let help = "draw it, as in `ego_speed: 5 m/s .. 8 m/s`";
-            said.push(diagnostics::contradiction(span, message).help(help));
+            said.push(diagnostics::own_speed(span));
             continue;
         }
         let left = sector::narrow(&mut drawn, &condition, vocabulary);
@@ -174,10 +150,7 @@ fn ego_start(block: &Block, poses: Option<Vec<[f64; 3]>>, said: &mut Vec<Diagnos
         lanes.map(|(_, keys)| LanePiece { from: keys.from.into(), length: keys.length }).collect();
     match (poses, block.nested(EgoLaneKeys::KIND).next()) {
         (Some(_), Some(lane)) => {
-            let message = "the ego begins either on `ego_poses` or on an `ego_lane`, not on both".to_string();
-            said.push(
-                diagnostics::contradiction(block.place("ego_poses"), message).label(lane.head, "the lane is here"),
-            );
+            said.push(diagnostics::two_starts(block.place("ego_poses"), lane.head));
             EgoStart::Anywhere
         }
         (Some(poses), None) => EgoStart::Poses(poses.into_iter().map(Pose::from).collect()),

@@ -6,7 +6,7 @@ use episode::{
     euro_ncap_bands,
 };
 use lang::diagnostics;
-use lang::hir::Declaration;
+use lang::hir::{Block, Declaration};
 
 /// Half the length of the longest car of the catalogue (m), for checks that do not know the car.
 const MAX_HALF_LENGTH: f64 = 2.5;
@@ -91,7 +91,6 @@ fn lower(
     said: &mut Vec<Diagnostic>,
 ) -> Option<SpawnRule> {
     let block = &declaration.block;
-    let crossing = from != TargetSide::Along;
     let case = |test_speed: &f64| {
         let test_speed = *test_speed;
         test.overlaps.iter().map(move |overlap| TestCase { test_speed, overlap: *overlap })
@@ -113,42 +112,8 @@ fn lower(
         criterion: test.criterion,
     };
     let slow = walk.cases.iter().map(|case| case.test_speed).fold(f64::INFINITY, f64::min);
-    if !crossing && walk.speed >= slow {
-        let message = format!(
-            "a target that walks at {:.1} km/h is not reached by a car at {:.1} km/h",
-            walk.speed * 3.6,
-            slow * 3.6
-        );
-        said.push(
-            diagnostics::contradiction(block.place("test_speeds"), message)
-                .label(block.place("walking_speed"), "its speed is this"),
-        );
-        return None;
-    }
-    let has_colours = |speed: &&f64| euro_ncap_bands(**speed).is_some();
-    if let Some(speed) = test.test_speeds.iter().find(|speed| !has_colours(speed))
-        && test.criterion == TestCriterion::EuroNcap
-    {
-        let message = format!("Euro NCAP has no colours at {:.1} km/h", speed * 3.6);
-        let help = "give 10, 20, 30, 40 km/h, or 50 km/h and more; or another `criterion`, such as `no_collision`";
-        said.push(diagnostics::contradiction(block.place("test_speeds"), message).help(help));
-        return None;
-    }
-    let needed = (walk.distance + walk.reach) / walk.speed.max(1e-9);
-    if crossing && (walk.speed == 0.0 || needed > walk.headway) {
-        let message = if walk.speed == 0.0 {
-            "a target that crosses must walk: `walking_speed` is 0".to_string()
-        } else {
-            format!(
-                "the target needs about {needed:.1} s to the middle of the path, and the car comes after {:.1} s",
-                walk.headway
-            )
-        };
-        let help = format!(
-            "make `headway` at least {:.1} s, or use `along_test` for a target that stands",
-            needed.min(60.0) + 0.1
-        );
-        said.push(diagnostics::contradiction(block.place("headway"), message).help(help));
+    if let Some(fault) = fault(block, &walk, slow) {
+        said.push(fault);
         return None;
     }
     let starts = walk.cases.iter().map(|case| walk.car(case, MAX_HALF_LENGTH)).chain([walk.meeting]).collect();
@@ -168,4 +133,43 @@ fn lower(
         target_walk: Some(walk),
         given_path: None,
     })
+}
+
+/// Why a test cannot take place, if it cannot; `slow` is the lowest of its speeds.
+fn fault(block: &Block, walk: &TargetWalk, slow: f64) -> Option<Diagnostic> {
+    let crossing = walk.from != TargetSide::Along;
+    if !crossing && walk.speed >= slow {
+        let message = format!(
+            "a target that walks at {:.1} km/h is not reached by a car at {:.1} km/h",
+            walk.speed * 3.6,
+            slow * 3.6
+        );
+        let slow = diagnostics::contradiction(block.place("test_speeds"), message);
+        return Some(slow.label(block.place("walking_speed"), "its speed is this"));
+    }
+    let mut speeds = walk.cases.iter().map(|case| case.test_speed);
+    if let Some(speed) = speeds.find(|speed| euro_ncap_bands(*speed).is_none())
+        && walk.criterion == TestCriterion::EuroNcap
+    {
+        let message = format!("Euro NCAP has no colours at {:.1} km/h", speed * 3.6);
+        let help = "give 10, 20, 30, 40 km/h, or 50 km/h and more; or another `criterion`, such as `no_collision`";
+        return Some(diagnostics::contradiction(block.place("test_speeds"), message).help(help));
+    }
+    let needed = (walk.distance + walk.reach) / walk.speed.max(1e-9);
+    if crossing && (walk.speed == 0.0 || needed > walk.headway) {
+        let message = if walk.speed == 0.0 {
+            "a target that crosses must walk: `walking_speed` is 0".to_string()
+        } else {
+            format!(
+                "the target needs about {needed:.1} s to the middle of the path, and the car comes after {:.1} s",
+                walk.headway
+            )
+        };
+        let help = format!(
+            "make `headway` at least {:.1} s, or use `along_test` for a target that stands",
+            needed.min(60.0) + 0.1
+        );
+        return Some(diagnostics::contradiction(block.place("headway"), message).help(help));
+    }
+    None
 }

@@ -28,7 +28,9 @@ pub fn read_networks(
     });
     let read = bytes.and_then(|bytes| ActorCritic::from_safetensors(&bytes).map_err(|error| error.to_string()));
     let fitting = read.and_then(|(networks, _)| {
-        let accepted = sizes.iter().try_for_each(|(state, action)| config.accepts(&networks, *state, *action));
+        let accepted = sizes
+            .iter()
+            .try_for_each(|(state, action)| config.accepts(&networks, *state * config.frame_stack, *action));
         accepted.map_err(|error| error.to_string())?;
         Ok(Arc::new(networks))
     });

@@ -6,6 +6,12 @@ use episode::walker::{
 };
 use search::Controlled;
 
+/// The words of trained pedestrians.
+pub(crate) const TRAINED: &str = "trained";
+pub(crate) const STOCHASTIC: &str = "stochastic";
+/// The word of the networks with which trainings begin.
+pub const UNTRAINED: &str = "untrained";
+
 /// A kind of pedestrian that walks without having learnt. `pedestrians` of an `evaluate` block name it by its word, and it is a kind of
 /// falsifier, which runs one episode from every start.
 #[derive(Clone)]

@@ -6,7 +6,8 @@
 use serde_json::{Value, json};
 
 use super::episode::{Actor, Shape};
-use super::{EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
+use super::format::{EgoDriver, ExportFile, Exporter, Variant, Walking};
+use super::{Episode, ExportError, opendrive};
 
 const NAME: &str = "carla";
 /// The script; the episode takes the place of an empty one.

@@ -11,10 +11,11 @@
 use std::collections::BTreeMap;
 
 use super::episode::{Actor, Motion, Shape};
+use super::format::{AUTHOR, DATE, EgoDriver, ExportFile, Exporter, Variant, Walking};
 use super::lane_bounds::lane_bounds;
 use super::opendrive::lane_of;
 use super::xml::{Short, Xml, attributes};
-use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
+use super::{Episode, ExportError};
 use road::geometry::{OrientedBox, Point, Pose, wrap_angle};
 use road::{LaneKind, RoadIndex, Town, TrafficLight, Waypoint};
 use world::sim::LightColour;
@@ -136,14 +137,8 @@ fn document(episode: &Episode, ego: EgoDriver) -> String {
 
 /// All driving lanes with their numbers from 1.
 fn lanes(town: &Town) -> BTreeMap<Key, usize> {
-    let mut keys = Vec::new();
-    for (road, index) in town.roads.iter().zip(0..) {
-        for (section, number) in road.sections.iter().zip(0..) {
-            let driving = section.lanes.iter().filter(|lane| lane.id != 0 && lane.kind == LaneKind::Driving);
-            keys.extend(driving.map(|lane| (index, number, lane.id)));
-        }
-    }
-    keys.into_iter().zip(1..).collect()
+    let driving = town.lane_starts().filter(|(_, kind)| *kind == LaneKind::Driving);
+    driving.map(|(start, _)| key(&start)).zip(1..).collect()
 }
 
 /// The traffic lights that work, with their numbers after those of the lanelets, and their lanes.

@@ -5,7 +5,7 @@ use super::canvas::{Canvas, Colour};
 use super::episode::{Actor, Shape};
 use super::lane_bounds::lane_bounds;
 use road::geometry::{OrientedBox, Point, Pose, Vector};
-use road::{LaneKind, RoadIndex, Town, Waypoint};
+use road::{LaneKind, Town};
 use world::sim::ActorId;
 
 /// Width and height of a frame (px); both even, as encoders want them.
@@ -151,18 +151,13 @@ fn draw_car(canvas: &mut Canvas, outline: &OrientedBox, colour: Colour, brakes: 
 
 fn draw_town(canvas: &mut Canvas, town: &Town) {
     let (mut walks, mut lanes, mut marks) = (Vec::new(), Vec::new(), Vec::new());
-    for (road, index) in town.roads.iter().zip(0..) {
-        for (section, number) in road.sections.iter().zip(0..) {
-            for lane in section.lanes.iter().filter(|lane| lane.id != 0 && lane.kind != LaneKind::None) {
-                let start = Waypoint { road: RoadIndex(index), section: number, lane: lane.id, s: section.start };
-                let [left, right] = lane_bounds(town, start, STEP);
-                let corners: Vec<Point> = left.iter().chain(right.iter().rev()).copied().collect();
-                let driving = lane.kind == LaneKind::Driving;
-                if driving { &mut lanes } else { &mut walks }.push(corners);
-                if driving && road.junction.is_none() {
-                    marks.extend([left, right]);
-                }
-            }
+    for (start, kind) in town.lane_starts().filter(|(_, kind)| *kind != LaneKind::None) {
+        let [left, right] = lane_bounds(town, start, STEP);
+        let corners: Vec<Point> = left.iter().chain(right.iter().rev()).copied().collect();
+        let driving = kind == LaneKind::Driving;
+        if driving { &mut lanes } else { &mut walks }.push(corners);
+        if driving && !town.is_junction(start) {
+            marks.extend([left, right]);
         }
     }
     canvas.fill(&walks, SIDEWALK, 1.0);

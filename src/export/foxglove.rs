@@ -10,11 +10,12 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::episode::{Actor, Motion, OBSTACLE_HEIGHT, Shape};
+use super::format::{ExportFile, Exporter, Variant};
 use super::lane_bounds::lane_bounds;
 use super::recording::{Channel, ChannelId, Recording};
-use super::{Episode, ExportError, ExportFile, Exporter, Variant};
+use super::{Episode, ExportError};
 use road::geometry::{OrientedBox, Point};
-use road::{LaneKind, RoadIndex, Town, Waypoint};
+use road::{LaneKind, Town};
 use world::sim::ActorId;
 
 /// The frame of all coordinates.
@@ -165,14 +166,9 @@ fn cube(outline: &OrientedBox, ground: f64, height: f64, own: [f64; 4]) -> Value
 
 fn town_entities(town: &Town) -> Vec<Value> {
     let mut edges = Vec::new();
-    for (road, index) in town.roads.iter().zip(0..) {
-        for (section, number) in road.sections.iter().zip(0..) {
-            for lane in section.lanes.iter().filter(|lane| lane.id != 0 && lane.kind != LaneKind::None) {
-                let start = Waypoint { road: RoadIndex(index), section: number, lane: lane.id, s: section.start };
-                let own = if lane.kind == LaneKind::Driving { LANE } else { SIDEWALK };
-                edges.extend(lane_bounds(town, start, STEP).iter().map(|edge| line(STRIP, edge, own)));
-            }
-        }
+    for (start, kind) in town.lane_starts().filter(|(_, kind)| *kind != LaneKind::None) {
+        let own = if kind == LaneKind::Driving { LANE } else { SIDEWALK };
+        edges.extend(lane_bounds(town, start, STEP).iter().map(|edge| line(STRIP, edge, own)));
     }
     let crosswalks = town.crosswalks.iter().map(|corners| line(LOOP, corners, CROSSWALK)).collect();
     let obstacles = town.obstacles.iter().map(|own| cube(own, 0.0, OBSTACLE_HEIGHT, OBSTACLE)).collect();

@@ -7,9 +7,10 @@ use std::io;
 
 use ::gif::{Encoder, Frame, Repeat};
 
+use super::ExportError;
 use super::canvas::Colour;
 use super::film::{COLOURS, Film, SIZE};
-use super::{ExportError, ExportFile, Exporter};
+use super::format::{ExportFile, Exporter};
 
 const NAME: &str = "gif";
 /// Steps from one colour to another in the palette.

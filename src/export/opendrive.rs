@@ -8,9 +8,10 @@
 
 use std::collections::BTreeMap;
 
+use super::ExportError;
 use super::episode::OBSTACLE_HEIGHT;
+use super::format::{AUTHOR, DATE, ExportFile, Exporter};
 use super::xml::{Attributes, Short, Xml, attributes};
-use super::{AUTHOR, DATE, ExportError, ExportFile, Exporter};
 use road::geometry::{OrientedBox, Point, Pose, wrap_angle};
 use road::opendrive::{Addition, OBSTACLE, TRIGGER};
 use road::{

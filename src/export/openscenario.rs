@@ -10,8 +10,9 @@
 use std::collections::BTreeSet;
 
 use super::episode::{Actor, Motion, Shape};
+use super::format::{AUTHOR, DATE, EgoDriver, ExportFile, Exporter, Variant, Walking};
 use super::xml::{Short, Xml, attributes};
-use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
+use super::{Episode, ExportError, opendrive};
 use world::sim::{ActorId, LightColour, VehicleBlueprint};
 
 /// A version of the standard.

@@ -6,7 +6,7 @@ use std::io::Cursor;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{WriteOptions, Writer};
 
-use super::AUTHOR;
+use super::format::AUTHOR;
 
 /// Records fail where a file cannot be written or numbers run out; a recording is in memory and has a few channels.
 const IN_MEMORY: &str = "memory takes a record";

@@ -219,21 +219,7 @@ impl<'f> Checker<'_, '_, 'f> {
             match entry {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
                     Some(param) => self.property(property, param, &mut given, &mut members),
-                    None => {
-                        // What is given elsewhere in the block, or is meant by another typo, is not what this one means. A setting from outside may.
-                        let source = property.key.span.source;
-                        let is_given = |key: &str| {
-                            let is_it = |other: &Name| other.text == key && other.span.source == source;
-                            let mut others = written.entries.iter();
-                            others.any(|other| matches!(other, Entry::Property(other) if is_it(&other.key)))
-                        };
-                        let is_left = |key: &&str| !is_given(key) && !misspelt.contains(*key);
-                        let left: Vec<&str> = signature.params.iter().map(|p| p.name).filter(is_left).collect();
-                        let Name { text, span } = &property.key;
-                        let unknown = diagnostics::unknown_key(*span, signature.name, text, &left);
-                        misspelt.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
-                        self.diagnostics.push(unknown);
-                    }
+                    None => self.unknown_key(&property.key, written, signature, &mut misspelt),
                 },
                 Entry::Child(child) => children.extend(self.child(child, signature, &mut before)),
                 Entry::Clause(clause) if signature.clauses => {
@@ -276,6 +262,28 @@ impl<'f> Checker<'_, '_, 'f> {
             Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head };
         self.rising(&block, signature);
         block
+    }
+
+    /// Reports a key that the block does not have, and notes which one it probably means.
+    fn unknown_key(
+        &mut self,
+        key: &Name,
+        written: &ast::Declaration,
+        signature: &Signature,
+        misspelt: &mut BTreeSet<String>,
+    ) {
+        // What is given elsewhere in the block, or is meant by another typo, is not what this one means. A setting from outside may.
+        let source = key.span.source;
+        let is_given = |known: &str| {
+            let is_it = |other: &Name| other.text == known && other.span.source == source;
+            let mut others = written.entries.iter();
+            others.any(|other| matches!(other, Entry::Property(other) if is_it(&other.key)))
+        };
+        let is_left = |known: &&str| !is_given(known) && !misspelt.contains(*known);
+        let left: Vec<&str> = signature.params.iter().map(|p| p.name).filter(is_left).collect();
+        let unknown = diagnostics::unknown_key(key.span, signature.name, &key.text, &left);
+        misspelt.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
+        self.diagnostics.push(unknown);
     }
 
     /// Checks the value of a key.

@@ -3,7 +3,7 @@
 use super::ast::{Expression, ExpressionKind, Known, Name};
 use super::diagnostics;
 use super::names::Names;
-use super::requirement::is_temporal;
+use super::temporal::is_temporal;
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::{ActorSignal, BinaryOperator, Bounds, DeclarationId, Formula, Function, VariableId, Vocabulary};
 use base::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
@@ -64,7 +64,7 @@ pub(super) fn named(
 ) -> Option<DeclarationId> {
     let found = names.find(form, word);
     if found.is_none() {
-        diagnostics.push(diagnostics::unknown_name(span, form, word, names.of_form(form)));
+        diagnostics.push(diagnostics::unknown_name(span, form, word, &names.of_form(form).collect::<Vec<_>>()));
     }
     found
 }
@@ -232,8 +232,8 @@ impl Checker<'_> {
         match scope.vocabulary.variables.iter().position(|variable| variable.name == word) {
             None if scope.names.may_be_unread(word, scope.available.iter().copied()) => None,
             None => {
-                let known = scope.available.iter().copied().chain(scope.names.params());
-                self.say(diagnostics::unknown_variable(span, word, known))
+                let known: Vec<&str> = scope.available.iter().copied().chain(scope.names.params()).collect();
+                self.say(diagnostics::unknown_variable(span, word, &known))
             }
             Some(_) if !scope.available.contains(&word) => {
                 self.say(diagnostics::unavailable_variable(span, word, scope.event, scope.available))
@@ -249,9 +249,7 @@ impl Checker<'_> {
     }
 
     fn binary(&mut self, operator: BinaryOperator, left: &Expression, right: &Expression, span: Span) -> Option<Part> {
-        use BinaryOperator::{
-            Add, And, Divide, Greater, GreaterEqual, Implies, Less, LessEqual, Multiply, Or, Subtract,
-        };
+        use BinaryOperator::{Add, And, Divide, Implies, Multiply, Or, Subtract};
         if matches!(operator, And | Or | Implies) {
             let (a, b) = (self.truth(left), self.truth(right));
             let formula = Formula::Binary(operator, a?.formula.into(), b?.formula.into());
@@ -279,24 +277,10 @@ impl Checker<'_> {
                     }
                 }
             }
-            // A number without a unit most likely lacks it in a comparison; rewards use the plain numbers of quantities on purpose.
-            _ if a.dimension != b.dimension && (compares(operator) || !self.scope.whole) => {
-                return match (plain(left), plain(right)) {
-                    (Some(number), _) if a.dimension == Dimension::RATIO => {
-                        self.say(diagnostics::bare_number(left.span, b.dimension, &number.to_string(), right.span))
-                    }
-                    (_, Some(number)) if b.dimension == Dimension::RATIO => {
-                        self.say(diagnostics::bare_number(right.span, a.dimension, &number.to_string(), left.span))
-                    }
-                    _ => self.say(diagnostics::mixed_dimensions(left.span, a.dimension, right.span, b.dimension)),
-                };
+            _ => {
+                self.of_one_dimension(operator, (left, a.dimension), (right, b.dimension))?;
+                if compares(operator) { Sort::Truth } else { Sort::Quantity(a.dimension) }
             }
-            _ if a.dimension != b.dimension => {
-                return self.say(diagnostics::mixed_dimensions(left.span, a.dimension, right.span, b.dimension));
-            }
-            Add | Subtract => Sort::Quantity(a.dimension),
-            Less | LessEqual | Greater | GreaterEqual => Sort::Truth,
-            And | Or | Implies => unreachable!("handled above"),
         };
         if operator == Divide {
             self.away_from_zero(right.span, &b)?;
@@ -311,6 +295,29 @@ impl Checker<'_> {
         };
         let formula = Formula::Binary(operator, a.formula.into(), b.formula.into());
         self.counted(Part { formula, sort, bounds }, lost, span)
+    }
+
+    /// Checks that two operands have the same dimension.
+    fn of_one_dimension(
+        &mut self,
+        operator: BinaryOperator,
+        (left, a): (&Expression, Dimension),
+        (right, b): (&Expression, Dimension),
+    ) -> Option<()> {
+        if a == b {
+            return Some(());
+        }
+        // A number without a unit most likely lacks it in a comparison; rewards use the plain numbers of quantities on purpose.
+        let may_lack = operator.compares() || !self.scope.whole;
+        match (plain(left), plain(right)) {
+            (Some(number), _) if may_lack && a == Dimension::RATIO => {
+                self.say(diagnostics::bare_number(left.span, b, &number.to_string(), right.span))
+            }
+            (_, Some(number)) if may_lack && b == Dimension::RATIO => {
+                self.say(diagnostics::bare_number(right.span, a, &number.to_string(), left.span))
+            }
+            _ => self.say(diagnostics::mixed_dimensions(left.span, a, right.span, b)),
+        }
     }
 
     /// Checks that a divisor is not 0.
@@ -436,6 +443,22 @@ impl Checker<'_> {
             _ => Some(dimension),
         };
         let Some(given) = given else { return self.say(diagnostics::uncounted(arguments[0].span, dimension)) };
+        self.within_domain(*function, arguments, &checked, span)?;
+        let bounds: Vec<Bounds> = checked.iter().map(|each| each.bounds).collect();
+        let formulas: Vec<Formula> = checked.into_iter().map(|each| each.formula).collect();
+        let lost = *function == Function::LogLikelihood && !bounds.iter().all(|each| is_finite(*each));
+        let (formula, bounds) = (Formula::Call(*function, formulas.into()), function.bounds(&bounds));
+        self.counted(Part { formula, sort: Sort::Quantity(given), bounds }, lost, span)
+    }
+
+    /// Checks that a function has a value for all values of its arguments.
+    fn within_domain(
+        &mut self,
+        function: Function,
+        arguments: &[Expression],
+        checked: &[Quantity],
+        span: Span,
+    ) -> Option<()> {
         match function {
             Function::Sqrt => {
                 let (low, high) = checked[0].bounds;
@@ -443,7 +466,7 @@ impl Checker<'_> {
                     return self.say(diagnostics::not_finite(span, "no number below 0 has a square root"));
                 }
                 if self.scope.whole && low < 0.0 {
-                    let zero = if dimension == Dimension::RATIO { "0" } else { "0 * …" };
+                    let zero = if checked[0].dimension == Dimension::RATIO { "0" } else { "0 * …" };
                     let help = format!("keep it at or above 0: `max(…, {zero})`");
                     return self.say(diagnostics::maybe_nothing(arguments[0].span, "this may be below 0", &help));
                 }
@@ -457,10 +480,6 @@ impl Checker<'_> {
             }
             _ => {}
         }
-        let bounds: Vec<Bounds> = checked.iter().map(|each| each.bounds).collect();
-        let formulas: Vec<Formula> = checked.into_iter().map(|each| each.formula).collect();
-        let lost = *function == Function::LogLikelihood && !bounds.iter().all(|each| is_finite(*each));
-        let (formula, bounds) = (Formula::Call(*function, formulas.into()), function.bounds(&bounds));
-        self.counted(Part { formula, sort: Sort::Quantity(given), bounds }, lost, span)
+        Some(())
     }
 }

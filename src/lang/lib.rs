@@ -13,22 +13,22 @@
 // The code that pest generates for the grammar names this crate.
 extern crate alloc;
 
-mod load;
-pub mod library;
 pub mod tokens;
-mod parse;
 pub mod ast;
-mod brackets;
-mod names;
-mod params;
-mod settings;
-mod defaults;
-mod check;
-mod formula;
-mod requirement;
-mod value;
+pub mod library;
 pub mod diagnostics;
 pub mod hir;
+mod names;
+mod temporal;
+mod formula;
+mod value;
+mod brackets;
+mod parse;
+mod load;
+mod defaults;
+mod settings;
+mod params;
+mod check;
 
 pub mod error_index;
 pub mod keywords;
@@ -36,12 +36,13 @@ mod format;
 mod inline;
 
 pub use check::{Checked, check, once};
+pub use diagnostics::reason;
 pub use format::format;
 pub use formula::functions;
 pub use inline::{declare_inline, declare_inline_axes};
-pub use load::{Loaded, Reader, Unreadable, load, normal, reason};
+pub use load::{Loaded, Reader, Unreadable, load, normal};
 pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
-pub use requirement::temporal_operators;
 pub use settings::{Matrix, Setting, apply, matrices, settings};
+pub use temporal::temporal_operators;
 pub use value::distributions;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use super::ast::File;
+use super::diagnostics::reason;
 use super::tokens::{TokenKind, tokens};
 use super::{diagnostics, library, parse};
 use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
@@ -155,17 +156,6 @@ fn starts_with_edition(text: &str) -> bool {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let word = tokens(text).find(|token| !token.kind.is_trivia() && token.kind != TokenKind::Doc);
     word.is_some_and(|word| text[word.range()].eq_ignore_ascii_case("edition"))
-}
-
-/// The reason in words why a file cannot be read.
-pub fn reason(error: &std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".into(),
-        std::io::ErrorKind::PermissionDenied => "you may not read it".into(),
-        std::io::ErrorKind::InvalidData if error.get_ref().is_none() => "it is not UTF-8 text".into(),
-        std::io::ErrorKind::IsADirectory => "it is a folder".into(),
-        _ => error.to_string(),
-    }
 }
 
 /// The same path for `a/../b` and `b`, without asking the file system.

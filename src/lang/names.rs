@@ -74,10 +74,6 @@ impl<'a> Names<'a> {
         Some((Span { source: last.source, start: at, end: at }, added))
     }
 
-    pub fn has_params(&self) -> bool {
-        !self.params.is_empty()
-    }
-
     /// Adds the names of an import, or all names of its file.
     fn import(&mut self, import: &'a Import, other: &Names<'a>, diagnostics: &mut Vec<Diagnostic>) {
         let named: BTreeSet<&str> = import.names.iter().map(|name| name.text.as_str()).collect();
@@ -100,8 +96,8 @@ impl<'a> Names<'a> {
             // The name is not reported again where it is used.
             self.torn = true;
             if !other.may_be_unread(&name.text, offered.iter().copied()) {
-                let known = offered.iter().copied();
-                diagnostics.push(diagnostics::unknown_import(name.span, &name.text, &import.path, known));
+                let known: Vec<&str> = offered.iter().copied().collect();
+                diagnostics.push(diagnostics::unknown_import(name.span, &name.text, &import.path, &known));
             }
         }
     }

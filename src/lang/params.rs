@@ -69,7 +69,7 @@ impl<'a> Params<'a> {
     pub fn mentioned(&self, declaration: &Declaration, place: usize) -> Vec<(ParamId, Option<ExpressionKind>)> {
         let names = &self.names[place];
         let mut found = Vec::new();
-        if names.has_params() {
+        if names.params().next().is_some() {
             declaration.entries.iter().for_each(|entry| mentioned_in(entry, names, &mut found));
         }
         found.into_iter().map(|id| (id, self.known.get(&id).cloned().flatten())).collect()
@@ -214,31 +214,7 @@ impl<'a> Params<'a> {
         let word = param.ty.text.as_str();
         let mut check = |ty: Type| value(written, &ty, &context, diagnostics);
         if let Some((_, dimension)) = DIMENSIONS.iter().find(|(name, _)| *name == word) {
-            let number = |value| ExpressionKind::Known(Known::Quantity(value, *dimension));
-            let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
-            return match &written.kind {
-                ExpressionKind::Range(low, high) => {
-                    let Value::Range(a, b) = check(Type::Range { dimension: *dimension, min, max })? else {
-                        return None;
-                    };
-                    let end = |value, span| Box::new(Expression { kind: number(value), span });
-                    Some(ExpressionKind::Range(end(a, low.span), end(b, high.span)))
-                }
-                ExpressionKind::Call { function, .. } if distributions().any(|name| name == function.text) => {
-                    let Value::Distribution(drawn) = check(Type::Distribution { dimension: *dimension, min, max })?
-                    else {
-                        return None;
-                    };
-                    Some(ExpressionKind::Known(Known::Distribution(drawn, *dimension)))
-                }
-                ExpressionKind::Known(Known::Distribution(..)) => {
-                    check(Type::Distribution { dimension: *dimension, min, max }).map(|_| written.kind.clone())
-                }
-                _ => match check(Type::any(*dimension))? {
-                    Value::Number(value) => Some(number(value)),
-                    _ => None,
-                },
-            };
+            return measured(written, *dimension, check);
         }
         match word {
             "integer" => match check(Type::Integer { min: -1_000_000_000_000, max: i64::MAX })? {
@@ -358,5 +334,37 @@ fn relocate(kind: &mut ExpressionKind, place: Span) {
     if let ExpressionKind::Range(low, high) = kind {
         low.span = place;
         high.span = place;
+    }
+}
+
+/// The value of a parameter with a dimension, if it fits.
+fn measured(
+    written: &Expression,
+    dimension: Dimension,
+    mut check: impl FnMut(Type) -> Option<Value>,
+) -> Option<ExpressionKind> {
+    let number = |value| ExpressionKind::Known(Known::Quantity(value, dimension));
+    let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
+    match &written.kind {
+        ExpressionKind::Range(low, high) => {
+            let Value::Range(a, b) = check(Type::Range { dimension, min, max })? else {
+                return None;
+            };
+            let end = |value, span| Box::new(Expression { kind: number(value), span });
+            Some(ExpressionKind::Range(end(a, low.span), end(b, high.span)))
+        }
+        ExpressionKind::Call { function, .. } if distributions().any(|name| name == function.text) => {
+            let Value::Distribution(drawn) = check(Type::Distribution { dimension, min, max })? else {
+                return None;
+            };
+            Some(ExpressionKind::Known(Known::Distribution(drawn, dimension)))
+        }
+        ExpressionKind::Known(Known::Distribution(..)) => {
+            check(Type::Distribution { dimension, min, max }).map(|_| written.kind.clone())
+        }
+        _ => match check(Type::any(dimension))? {
+            Value::Number(value) => Some(number(value)),
+            _ => None,
+        },
     }
 }

@@ -116,8 +116,8 @@ pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
                         said.push(diagnostics::bad_setting(name.span, &reason));
                         continue;
                     }
-                    let known = params.keys().map(String::as_str);
-                    Err(diagnostics::unknown_setting(name.span, &name.text, known).into())
+                    let known: Vec<&str> = params.keys().map(String::as_str).collect();
+                    Err(diagnostics::unknown_setting(name.span, &name.text, &known).into())
                 }
             },
             [first, rest @ ..] => set(first, rest, setting, loaded),
@@ -138,8 +138,8 @@ fn set(first: &Name, path: &[Name], setting: &Setting, loaded: &mut Loaded) -> R
             (first.text.clone(), &path[0], &path[1..])
         }
         [] => {
-            let known = all().filter_map(|each| each.name.as_ref()).map(|name| name.text.as_str());
-            return Err(diagnostics::unknown_setting(first.span, &first.text, known).into());
+            let known: Vec<&str> = all().filter_map(|each| Some(each.name.as_ref()?.text.as_str())).collect();
+            return Err(diagnostics::unknown_setting(first.span, &first.text, &known).into());
         }
         several => {
             let forms: Vec<&str> = several.iter().map(String::as_str).collect();
@@ -198,7 +198,8 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
     if blocks.is_empty() {
         words.sort_unstable();
         words.dedup();
-        return Err(diagnostics::unknown_setting(word.span, &word.text, words.iter().map(String::as_str)).into());
+        let known: Vec<&str> = words.iter().map(String::as_str).collect();
+        return Err(diagnostics::unknown_setting(word.span, &word.text, &known).into());
     }
     blocks.into_iter().try_for_each(|block| enter(block, rest, value))
 }

@@ -1,28 +1,22 @@
 //! Checks values against the types of their keys.
 
-mod number;
-mod list;
-mod name;
+mod context;
+mod quantity;
 mod distribution;
+mod number;
+mod name;
+mod list;
+mod requirement;
 
 use super::ast::{Expression, ExpressionKind, Known};
 use super::diagnostics;
 use super::formula::{ROBUST, Scope, Sort, formula};
-use super::names::Names;
-use super::requirement::requirement;
-use base::diagnostic::{Diagnostic, Sources};
-use base::signature::{Form, Formula, Type, Value, Vocabulary};
+use base::diagnostic::Diagnostic;
+use base::signature::{Formula, Type, Value};
 use base::units::Dimension;
+pub(super) use context::Context;
+use context::unfit;
 pub use distribution::distributions;
-pub(super) use number::quantity;
-
-pub(super) struct Context<'a> {
-    pub vocabulary: &'a Vocabulary,
-    /// All forms, for suggestions.
-    pub forms: &'a [Form],
-    pub names: &'a Names<'a>,
-    pub sources: &'a Sources,
-}
 
 /// Checks an expression as a value of this type; `None` after an error has been reported.
 pub(super) fn value(
@@ -60,7 +54,7 @@ pub(super) fn value(
         }
         Type::Requirement(event) => {
             let scope = scope_of(event, true, context);
-            requirement(expression, &scope, context, diagnostics).map(Value::Requirement)
+            requirement::requirement(expression, &scope, context, diagnostics).map(Value::Requirement)
         }
         Type::Condition(event) => {
             let scope = scope_of(event, false, context);
@@ -75,33 +69,6 @@ pub(super) fn value(
     }
 }
 
-/// What an expression is, for messages.
-pub(super) fn describe(expression: &Expression) -> String {
-    match &expression.kind {
-        ExpressionKind::Number { unit: None, .. } => "a plain number".into(),
-        ExpressionKind::Number { .. } => "a quantity".into(),
-        ExpressionKind::Known(Known::Quantity(_, dimension)) => diagnostics::one(dimension),
-        ExpressionKind::Known(Known::Declaration(form, _)) => format!("the name of {}", diagnostics::one(form)),
-        ExpressionKind::Known(Known::Distribution(_, dimension)) => format!("a distribution of {dimension}"),
-        ExpressionKind::Known(Known::Wrong) => "a parameter".into(),
-        ExpressionKind::Text(_) => "a text".into(),
-        ExpressionKind::Name(word) => format!("the word `{word}`"),
-        ExpressionKind::Range(..) => "a range".into(),
-        ExpressionKind::List(_) => "a list".into(),
-        ExpressionKind::Group(parts) if parts.len() > 1 => format!("a tuple of {}", parts.len()),
-        _ => "a formula".into(),
-    }
-}
-
-/// Reports an expression of another kind than its type wants, unless it is a parameter that may have been in a statement which could not be read.
-fn unfit(expression: &Expression, ty: &Type, context: &Context, diagnostics: &mut Vec<Diagnostic>) -> Option<Value> {
-    let lost = |word: &str| context.names.may_be_unread(word, context.names.params());
-    if !matches!(&expression.kind, ExpressionKind::Name(word) if lost(word)) {
-        diagnostics.push(diagnostics::wrong_type(expression.span, ty, &describe(expression)));
-    }
-    None
-}
-
 /// The scope of formulas about an event.
 fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a> {
     let known = context.vocabulary.events.iter().find(|known| known.name == event);
@@ -111,11 +78,6 @@ fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a>
 
 /// Maximum absolute value of a reward: learners compute in 32 bits, and add up.
 const MAX_REWARD: f64 = 1e9;
-
-/// The usual size of a variable (SI); rewards for larger values are rare.
-fn everyday(dimension: Dimension) -> f64 {
-    if dimension == Dimension::LENGTH { 1e3 } else { 1e2 }
-}
 
 /// A formula whose value is a plain number, as rewards are.
 pub(super) fn plain_number(
@@ -127,7 +89,9 @@ pub(super) fn plain_number(
         (formula, Sort::Quantity(Dimension::RATIO)) => {
             let (low, high) = formula.bounds(&|id| {
                 let Some(variable) = scope.vocabulary.variable(id) else { return ROBUST };
-                let (limit, (low, high)) = (everyday(variable.dimension), variable.bounds);
+                // The usual size of a variable (SI); rewards for larger values are rare.
+                let limit = if variable.dimension == Dimension::LENGTH { 1e3 } else { 1e2 };
+                let (low, high) = variable.bounds;
                 (low.max(-limit), high.min(limit))
             });
             if low < -MAX_REWARD || high > MAX_REWARD {

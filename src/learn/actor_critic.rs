@@ -2,12 +2,11 @@
 
 use std::ops::Range;
 
-use super::arithmetic::Path;
+use super::arithmetic::{Path, Real};
 use super::init::{ACTION_GAIN, HIDDEN_GAIN, VALUE_GAIN, orthogonal};
 use super::mlp::{Mlp, MlpScratch};
 use super::moments::RunningMoments;
 use super::normal::standard_normal;
-use super::real::Real;
 use base::seed::Stream;
 
 /// A policy with normally distributed actions, and the critic that values observations.

@@ -1,7 +1,6 @@
 //! The Adam optimiser.
 
-use super::arithmetic::{Arithmetic, Kernel, Path};
-use super::real::Real;
+use super::arithmetic::{Arithmetic, Kernel, Path, Real};
 
 /// The decay of the first moment.
 const BETA1: f64 = 0.9;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use safetensors::{Dtype, SafeTensors};
 use serde::Serialize;
 
-use super::checkpoint::CheckpointError;
+use super::checkpoint_error::CheckpointError;
 
 /// One entry of the header.
 #[derive(Serialize)]

@@ -4,8 +4,22 @@
 //! [`Path::run`] enters one of them. The width of the registers changes no bit: a kernel adds the terms of an element in one
 //! order. Whether a product is rounded before the sum does.
 
-use super::config::PpoConfig;
-use super::real::Real;
+/// A floating-point type of the networks: `f32` for training, `f64` for checking gradients.
+pub trait Real: nalgebra::RealField + Copy {
+    fn rounded(value: f64) -> Self;
+
+    /// Widens to `f64`, without loss.
+    fn widened(self) -> f64;
+
+    /// Returns the correctly rounded square root, by the processor's own instruction.
+    fn square_root(self) -> Self;
+
+    /// Returns `self · b + c`, rounded once.
+    fn fused(self, b: Self, c: Self) -> Self;
+
+    /// Replaces every element by its hyperbolic tangent.
+    fn tanh_slice<A: Arithmetic>(values: &mut [Self]);
+}
 
 /// How a product is added to a sum, and how many of them at once.
 pub trait Arithmetic {
@@ -108,9 +122,9 @@ impl Path {
         Self { registers, fused: registers > Registers::Base }
     }
 
-    /// The instructions that the settings ask for.
-    pub fn of(config: &PpoConfig) -> Self {
-        if config.portable_bits { Self::plain() } else { Self::widest() }
+    /// The fastest instructions, or those that give the same bits on all processors.
+    pub fn of(portable_bits: bool) -> Self {
+        if portable_bits { Self::plain() } else { Self::widest() }
     }
 
     /// Runs a kernel.

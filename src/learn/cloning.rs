@@ -38,7 +38,7 @@ pub fn fit(
     seed: &Seed,
     stop: &dyn Fn() -> bool,
 ) -> f64 {
-    let path = Path::of(config);
+    let path = Path::of(config.portable_bits);
     let (mlp, range) = match fitted {
         Fitted::Actor => (networks.actor().clone(), networks.actor_range()),
         Fitted::Critic => (networks.critic().clone(), networks.critic_range()),

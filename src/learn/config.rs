@@ -213,14 +213,14 @@ pub enum UnsuitableNetworks {
 }
 
 impl PpoConfig {
-    /// Checks whether networks can be the first ones of a training with these settings and this number of components of an observation, with
-    /// `frame_stack` of them, and of an action.
+    /// Checks whether networks can be the first ones of a training with these settings and this number of components of a state, which is
+    /// `frame_stack` observations, and of an action.
     ///
     /// # Errors
     /// The first reason why they cannot.
-    pub fn accepts(&self, networks: &ActorCritic, obs_dim: usize, action_dim: usize) -> Result<(), UnsuitableNetworks> {
-        let states = (networks.obs_dim(), obs_dim * self.frame_stack);
-        let actions = (networks.action_dim(), action_dim);
+    pub fn accepts(&self, networks: &ActorCritic, states: usize, actions: usize) -> Result<(), UnsuitableNetworks> {
+        let states = (networks.obs_dim(), states);
+        let actions = (networks.action_dim(), actions);
         let hidden = |outputs: Vec<usize>| outputs[..outputs.len() - 1].to_vec();
         let widths = [networks.actor(), networks.critic()]
             .map(|mlp| hidden(mlp.layers().iter().map(|layer| layer.outputs).collect()));

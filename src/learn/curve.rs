@@ -3,7 +3,7 @@
 use safetensors::SafeTensors;
 
 use super::archive::{Number, Writer, read, read_vector};
-use super::checkpoint::CheckpointError;
+use super::checkpoint_error::CheckpointError;
 use super::log::{FinishedEpisode, UpdateLog};
 
 /// Adds a learning curve to a file, one vector a quantity.

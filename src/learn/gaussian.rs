@@ -1,6 +1,6 @@
 //! A diagonal normal distribution with a standard deviation that does not depend on the state.
 
-use super::real::Real;
+use super::arithmetic::Real;
 
 /// Half the natural logarithm of 2π, with which the density is normalised.
 const HALF_LOG_TAU: f64 = 0.918_938_533_204_672_8;

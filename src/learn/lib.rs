@@ -15,45 +15,48 @@
 //! Networks compute in `f32`; rewards, advantages, densities and losses are `f64`. Matrices are column-major, one sample
 //! per column. Acting and learning allocate nothing except the report of each update.
 
-mod config;
-mod schedule;
 mod env;
+mod schedule;
 mod frame_stack;
 mod shaping;
 
-mod actor_critic;
+mod normal;
+mod arithmetic;
+mod tanh;
+mod real;
+mod product;
+mod mlp;
+mod init;
 mod moments;
+mod gaussian;
+mod actor_critic;
+
+mod checkpoint_error;
 mod archive;
 mod checkpoint;
 mod onnx;
-mod gaussian;
-mod init;
-mod mlp;
-mod normal;
-mod tanh;
-mod product;
-mod arithmetic;
-mod real;
 
-mod ppo;
-mod trainer;
-mod train_state;
-mod curve;
+mod config;
 mod train_error;
-mod collector;
-mod lane;
-mod rollout;
+mod log;
 mod gae;
-mod learner;
-mod recorded;
+mod rollout;
+mod lane;
+mod collector;
 mod minibatch;
 mod loss;
 mod adam;
+mod learner;
+mod recorded;
 mod cloning;
-mod log;
+mod curve;
+mod trained;
+mod trainer;
+mod train_state;
 
 pub use actor_critic::{ActorCritic, Scratch};
-pub use checkpoint::CheckpointError;
+pub use arithmetic::Real;
+pub use checkpoint_error::CheckpointError;
 pub use cloning::{Fitted, fit};
 pub use config::{ADAM_EPS, Credit, FirstNetworks, Policies, PpoConfig, UnsuitableNetworks};
 pub use env::{Agent, Env, Step};
@@ -62,10 +65,9 @@ pub use log::{FinishedEpisode, UpdateLog};
 pub use moments::RunningMoments;
 pub use normal::standard_normal;
 pub use onnx::{Inputs, onnx_properties};
-pub use ppo::{Trained, train};
-pub use real::Real;
 pub use recorded::{RecordedRollout, RecordedUpdate, update_on_recorded};
 pub use schedule::Schedule;
 pub use shaping::shaping;
 pub use train_error::{Quantity, TrainError};
-pub use trainer::{Experience, Trainer, first_networks};
+pub use trained::Trained;
+pub use trainer::{Experience, Trainer, first_networks, train};

@@ -1,13 +1,12 @@
 //! The loss of PPO and its gradient.
 
 use super::actor_critic::ActorCritic;
-use super::arithmetic::Path;
+use super::arithmetic::{Path, Real};
 use super::config::PpoConfig;
 use super::gaussian::{Gaussian, Spread};
 use super::minibatch::Minibatch;
 use super::mlp::MlpScratch;
 use super::product::SquaredNorm;
-use super::real::Real;
 
 /// The parts of the loss on one minibatch, and other reported quantities.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use rand::Rng;
 
-use super::real::Real;
+use super::arithmetic::Real;
 use super::rollout::Rollout;
 use base::seed::Stream;
 

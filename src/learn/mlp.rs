@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use super::arithmetic::{Arithmetic, Kernel, Path, Plain};
+use super::arithmetic::{Arithmetic, Kernel, Path, Plain, Real};
 use super::product::{Product, ProductOfTranspose, affine, transpose};
-use super::real::Real;
 use super::tanh::Tanh;
 
 /// The number of outputs up to which a layer is computed by inner products.

@@ -5,8 +5,7 @@
 //! nalgebra's products are not used: they allocate in every call, choose their instructions themselves, and nalgebra 0.35
 //! is unsound for small views with a row stride.
 
-use super::arithmetic::{Arithmetic, Kernel};
-use super::real::Real;
+use super::arithmetic::{Arithmetic, Kernel, Real};
 
 /// A matrix product `c = a · b`, or `c = a · bᵀ`; with `init`, every column of it plus `init`.
 pub(super) struct Product<'a, T, const B_TRANSPOSED: bool> {

@@ -102,7 +102,7 @@ pub fn update_on_recorded(
     buffer.finish(last_value, rollout.last_done, config.gamma, config.gae_lambda);
 
     let mut policy = actor_critic;
-    let mut learner = Learner::new(&policy, config, (0..steps).collect(), Path::of(config));
+    let mut learner = Learner::new(&policy, config, (0..steps).collect(), Path::of(config.portable_bits));
     let mut recorded = epochs.iter();
     let rollouts = [buffer];
     let means = learner.learn(&mut policy, &rollouts, config, config.learning_rate, &mut |order| {

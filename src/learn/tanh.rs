@@ -1,7 +1,6 @@
 //! A hyperbolic tangent that the compiler can vectorise.
 
-use super::arithmetic::{Arithmetic, Kernel};
-use super::real::Real;
+use super::arithmetic::{Arithmetic, Kernel, Real};
 
 /// The argument beyond which the approximation equals ±1 in `f32`.
 const LIMIT: f32 = 7.905_311;

@@ -6,7 +6,8 @@ use safetensors::SafeTensors;
 
 use super::actor_critic::ActorCritic;
 use super::archive::{Writer, read, read_vector};
-use super::checkpoint::{CheckpointError, read_each, read_moments, write_each, write_moments};
+use super::checkpoint::{read_each, read_moments, write_each, write_moments};
+use super::checkpoint_error::CheckpointError;
 use super::collector::observe;
 use super::config::PpoConfig;
 use super::curve::{read_curve, read_episodes, write_curve, write_episodes};
@@ -85,18 +86,13 @@ impl Trainer {
         if policies.len() != dimensions.len() {
             return Err(CheckpointError::Policies { found: policies.len(), expected: dimensions.len() });
         }
-        for (policy, (obs_dim, action_dim)) in policies.iter().zip(dimensions) {
-            let widths: Vec<usize> = policy.actor().layers().iter().map(|layer| layer.outputs).collect();
-            let critic_widths = policy.critic().layers().iter().map(|layer| layer.outputs);
-            let expected = config.hidden.iter().copied();
-            if policy.obs_dim() != obs_dim
-                || policy.observation_moments().is_some() != config.normalize_observations
-                || !widths.iter().copied().eq(expected.clone().chain([action_dim]))
-                || !critic_widths.eq(expected.chain([1]))
-            {
-                let found = [&[policy.obs_dim()], widths.as_slice()].concat();
-                return Err(CheckpointError::Shape { name: "mlp_extractor".to_owned(), found });
-            }
+        for (policy, (states, actions)) in policies.iter().zip(dimensions) {
+            let misshapen = |_| {
+                let widths = policy.actor().layers().iter().map(|layer| layer.outputs);
+                let found = [policy.obs_dim()].into_iter().chain(widths).collect();
+                CheckpointError::Shape { name: "mlp_extractor".to_owned(), found }
+            };
+            config.accepts(policy, states, actions).map_err(misshapen)?;
         }
 
         // No stream of this seed is used: every stream continues from its saved position.
@@ -131,9 +127,17 @@ impl Trainer {
         if others.is_ok() {
             return Err(CheckpointError::Env { env: envs.len() });
         }
+        if this.restore_lanes(tensors, envs)? {
+            observe(&mut this.policies, &this.collector.lanes);
+        }
+        Ok(this)
+    }
+
+    /// Restores the environments and their lanes; returns whether one began a new episode.
+    fn restore_lanes<E: Env>(&mut self, tensors: &SafeTensors<'_>, envs: &mut [E]) -> Result<bool, CheckpointError> {
         let mut anew = false;
-        let agents = this.collector.agents;
-        for (place, (env, lanes)) in envs.iter_mut().zip(this.collector.lanes.chunks_mut(agents)).enumerate() {
+        let agents = self.collector.agents;
+        for (place, (env, lanes)) in envs.iter_mut().zip(self.collector.lanes.chunks_mut(agents)).enumerate() {
             for (i, lane) in (place * agents..).zip(&mut *lanes) {
                 lane.noise = read_stream(tensors, &format!("env.{i}.noise"))?;
             }
@@ -158,10 +162,7 @@ impl Trainer {
                 lane.start = length[1] != 0;
             }
         }
-        if anew {
-            observe(&mut this.policies, &this.collector.lanes);
-        }
-        Ok(this)
+        Ok(anew)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Training step by step, with interruptions.
 
+use std::ops::ControlFlow;
+
 use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
 use super::collector::{Collector, agents};
@@ -9,9 +11,9 @@ use super::learner::{Learner, UpdateMeans};
 use super::log::{FinishedEpisode, UpdateLog};
 use super::minibatch::shuffle;
 use super::moments::RunningMoments;
-use super::ppo::Trained;
 use super::rollout::{Rollout, explained_variance};
 use super::train_error::TrainError;
+use super::trained::Trained;
 use base::seed::{Seed, Stream};
 
 /// A training between two updates.
@@ -87,7 +89,7 @@ impl Trainer {
 
     /// Assembles a trainer that precedes the first episodes.
     pub(super) fn assemble<E: Env>(envs: &[E], policies: Vec<ActorCritic>, config: &PpoConfig, seed: &Seed) -> Self {
-        let (path, steps) = (Path::of(config), config.steps_per_update);
+        let (path, steps) = (Path::of(config.portable_bits), config.steps_per_update);
         let collector = Collector::new(envs, &policies, config, &seed.child("action noise"), path);
         let rollout = |policy: &ActorCritic| Rollout::new(steps, policy.obs_dim(), policy.action_dim());
         let learner = |(number, policy)| {
@@ -270,4 +272,36 @@ pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> Vec<(usize, 
         "environments must agree in their dimensions"
     );
     sizes(&envs[0].agents(), config.frame_stack)
+}
+
+/// Trains each policy and its critic by PPO.
+///
+/// Rollouts and updates alternate until `config.steps` steps have been taken. The last rollout is completed, so the
+/// number of steps may be a little higher. `observer` gets the report of every update and may stop training.
+///
+/// The result depends only on the environments, `config` and `seed`; without `config.portable_bits` also on whether the
+/// processor has AVX2 and FMA. [`Trainer`] takes the updates one by one.
+///
+/// # Errors
+/// [`TrainError::NonFinite`] at the first number that is not finite, [`TrainError::Stopped`] when the observer stops it.
+///
+/// # Panics
+/// When there is no environment, when environments differ in their dimensions, or when `steps_per_update`, `batch_size`,
+/// `epochs`, `frame_stack` or a width in `config` is zero.
+///
+/// # Source
+/// `PPO` of stable-baselines3; Schulman et al. (2017).
+pub fn train<E: Env + Send>(
+    envs: &mut [E],
+    config: &PpoConfig,
+    seed: &Seed,
+    observer: &mut dyn FnMut(&UpdateLog) -> ControlFlow<()>,
+) -> Result<Trained, TrainError> {
+    let mut trainer = Trainer::new(envs, config, seed)?;
+    while !trainer.is_done() {
+        if observer(trainer.update(envs)?).is_break() {
+            return Err(TrainError::Stopped { update: trainer.updates() });
+        }
+    }
+    Ok(trainer.finish())
 }

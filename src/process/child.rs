@@ -16,7 +16,7 @@ use nix::unistd::Pid;
 
 use super::descendants;
 use super::messages::Messages;
-use super::opener::Notes;
+use super::notes::Notes;
 use super::stopping::{self, GLANCE};
 use world::av::external::{Link, Program};
 use world::av::{Exit, Fault};

@@ -6,18 +6,19 @@
 //! as its children.
 
 #[cfg(unix)]
-mod child;
-#[cfg(unix)]
 mod descendants;
-mod digests;
-mod find;
 #[cfg(unix)]
 mod limits;
 #[cfg(unix)]
-mod messages;
-mod opener;
-#[cfg(unix)]
 mod stopping;
+mod find;
+mod digests;
+mod notes;
+#[cfg(unix)]
+mod messages;
+#[cfg(unix)]
+mod child;
+mod opener;
 mod trial;
 
 #[cfg(unix)]

@@ -4,7 +4,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use super::find::missing_package;
-use super::opener::Notes;
+use super::notes::Notes;
 use world::av::external::Program;
 
 /// The number of bytes of a line that are passed on at once.

@@ -3,5 +3,5 @@
 pub mod exit_code;
 pub mod session;
 pub mod lsp;
-pub mod commands;
 pub mod cli;
+pub mod commands;

@@ -26,7 +26,7 @@ pub(super) struct NetworkLane {
     /// Whether its centre line is one straight line.
     pub straight: bool,
     centre: Profile,
-    width: Profile,
+    pub width: Profile,
     next: Range<u32>,
     previous: Range<u32>,
 }
@@ -247,11 +247,6 @@ impl LaneNetwork {
     /// The width of a lane (m).
     pub fn width(&self, lane: &NetworkLane, s: f64) -> f64 {
         lane.width.value(s)
-    }
-
-    /// An upper bound of the lane's width (m).
-    pub fn greatest_width(&self, lane: &NetworkLane) -> f64 {
-        lane.width.bound(lane.end)
     }
 
     /// The centre of a lane, heading along its driving direction.

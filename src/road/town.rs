@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::chord::Chord;
 use super::lane_index::{LaneIndex, Lanes};
 use super::lane_network::LaneNetwork;
-use super::opendrive::OpenDriveWarning;
+use super::opendrive_error::OpenDriveWarning;
 use super::{
     Crosswalk, GiveWaySign, Junction, JunctionIndex, LaneFilter, LaneId, LaneKind, LaneSection, LaneStretch, Place,
-    Road, RoutePlanner, SpeedSign, TrafficLight, Waypoint,
+    Road, SpeedSign, TrafficLight, Waypoint,
 };
 use crate::geometry::{OrientedBox, Point, Pose, polygon};
 
@@ -50,7 +50,6 @@ pub struct Town {
     pub(super) network: LaneNetwork,
     pub(super) index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
-    route_planners: Mutex<Vec<Arc<RoutePlanner>>>,
     derived: Mutex<BTreeMap<TypeId, Arc<dyn Any + Send + Sync>>>,
 }
 
@@ -83,7 +82,6 @@ impl Town {
             network,
             index: LaneIndex::default(),
             driving_lanes,
-            route_planners: Mutex::default(),
             derived: Mutex::default(),
         }
     }
@@ -227,7 +225,12 @@ impl Town {
     /// An upper bound of the widths of all driving lanes (m).
     pub fn widest_driving_lane(&self) -> f64 {
         let driving = self.network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving);
-        driving.map(|lane| self.network.greatest_width(lane)).fold(0.0, f64::max)
+        driving.map(|lane| lane.width.bound(lane.end)).fold(0.0, f64::max)
+    }
+
+    /// Where the lanes of all sections start in the direction of their reference lines, with their uses, road by road; without lane 0.
+    pub fn lane_starts(&self) -> impl Iterator<Item = (Waypoint, LaneKind)> {
+        self.network.lanes().iter().map(|lane| (lane.waypoint(lane.start), lane.kind))
     }
 
     /// All driving lanes of all sections outside junctions.
@@ -246,18 +249,7 @@ impl Town {
         Waypoint { s: waypoint.s + if forward { distance } else { -distance }, ..waypoint }
     }
 
-    /// The planner of routes with a point every `sampling` (m), built on the first call.
-    pub fn route_planner(&self, sampling: f64) -> Arc<RoutePlanner> {
-        let mut planners = self.route_planners.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(planner) = planners.iter().find(|planner| planner.sampling() == sampling) {
-            return Arc::clone(planner);
-        }
-        let planner = Arc::new(RoutePlanner::new(self, sampling));
-        planners.push(Arc::clone(&planner));
-        planner
-    }
-
-    /// What a driver makes of the town, made on the first call for each type.
+    /// What is made of the town, on the first call for each type.
     pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
         let mut derived = self.derived.lock().unwrap_or_else(PoisonError::into_inner);
         let known = derived.entry(TypeId::of::<T>()).or_insert_with(|| Arc::new(make(self)));

@@ -10,27 +10,27 @@ use crate::house::{rust_files, top};
 /// The pairs of files of a package whose import points up: to a module that `lib.rs` declares later, or to `lib.rs` itself. A module is
 /// here a file beside `lib.rs`, or a folder with all in it. The goal of each is 0.
 const UPWARD: &[(&str, usize)] = &[
-    ("base", 1),
-    ("compile", 74),
+    ("base", 0),
+    ("compile", 2),
     ("episode", 4),
-    ("export", 9),
-    ("lang", 40),
-    ("learn", 46),
+    ("export", 0),
+    ("lang", 1),
+    ("learn", 0),
     ("ported", 0),
-    ("process", 5),
-    ("program", 86),
+    ("process", 0),
+    ("program", 2),
     ("results", 31),
-    ("road", 2),
+    ("road", 0),
     ("search", 0),
     ("verdict", 0),
     ("world", 0),
 ];
 
 /// The files that import each other in circles. The number of circles is no measure: a large one that falls in two is a step. The goal is 0.
-const IN_CIRCLES: usize = 194;
+const IN_CIRCLES: usize = 76;
 
 /// The functions of more than [`LONG`] lines from name to last brace, comments left out. The goal is 0.
-const LONG_FUNCTIONS: usize = 41;
+const LONG_FUNCTIONS: usize = 25;
 const LONG: usize = 60;
 
 /// The files that name a metric, besides the one that declares them all, summed over the metrics. A section may be about one; what is shown, gated and

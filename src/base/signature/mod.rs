@@ -4,18 +4,22 @@
 //! and keys exist, with their types, dimensions, ranges and defaults. The checker reads them, the documentation is printed
 //! from them, and [`Arguments`] carry the checked values to the code that owns the kind.
 
-mod arguments;
 mod distribution;
 mod formula;
-mod keys;
-mod param;
 mod requirement;
+mod value;
+mod value_type;
+mod held;
+mod arguments;
 mod shape;
+mod keys;
 
-pub use arguments::{Arguments, DeclarationId, Value};
+pub use arguments::Arguments;
 pub use distribution::Distribution;
 pub use formula::{ActorSignal, BinaryOperator, Bounds, Formula, Function, VariableId};
-pub use keys::{Choice, Field, Held, Keys, Plain};
-pub use param::{MAX_MAGNITUDE, MIN_POSITIVE, Param, Type, bounds, short};
+pub use held::{Choice, Held, Plain};
+pub use keys::{Field, Keys};
 pub use requirement::{Comparison, Requirement, Temporal, Within};
-pub use shape::{Event, Form, Signature, Variable, Vocabulary};
+pub use shape::{Event, Form, Param, Signature, Variable, Vocabulary};
+pub use value::{DeclarationId, Value};
+pub use value_type::{MAX_MAGNITUDE, MIN_POSITIVE, Type, bounds, short};

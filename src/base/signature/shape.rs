@@ -1,5 +1,25 @@
-use super::{Param, VariableId, bounds};
+use super::{Held, Type, VariableId, bounds};
 use crate::units::Dimension;
+
+/// A key of a form or kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Param {
+    /// The key.
+    pub name: &'static str,
+    pub ty: Type,
+    /// The value when the key is not given, as written in a file. `None` if the key is required, and `Some("")`
+    /// when it is optional and then absent.
+    pub default: Option<&'static str>,
+    /// One sentence for the reference.
+    pub doc: &'static str,
+}
+
+impl Param {
+    /// A key whose values are held in Rust as `T`, of which a single one is of this type. The default is written as in a file.
+    pub fn new<T: Held>(name: &'static str, single: Type, default: Option<&'static str>, doc: &'static str) -> Self {
+        Self { name, ty: T::type_of(single), default: default.or(T::OPTIONAL.then_some("")), doc }
+    }
+}
 
 /// A kind, or a block: a name, its keys, and the blocks that may stand inside.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,11 +89,6 @@ impl Signature {
     /// The same as a block that may stand only once in its owner.
     pub fn once(self) -> Self {
         Self { once: true, ..self }
-    }
-
-    /// How often it may stand in its owner, in words.
-    pub fn occurrence(&self) -> &'static str {
-        if self.once { "at most once" } else { "any number of times" }
     }
 
     /// The same, made for ticks of this length (s).

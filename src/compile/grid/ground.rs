@@ -162,7 +162,7 @@ impl Lowering<'_> {
         let EpisodeRule { tick, .. } = episode.block.keys();
         for (place, id) in policies.iter().enumerate() {
             let policy = self.program.get(*id);
-            let made_for = policy::signature(policy, self.catalog).and_then(|signature| signature.tick);
+            let made_for = self.catalog.signature_of(policy).and_then(|signature| signature.tick);
             if let Some(made_for) = made_for.filter(|made_for| *made_for != tick) {
                 let span = block.members("drivers").get(place).copied().unwrap_or(block.head);
                 let given = episode.block.place("tick");

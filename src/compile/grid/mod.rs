@@ -1,26 +1,21 @@
-//! A campaign's grid: its jobs, block by block.
+//! A campaign's grid: where its jobs happen, block by block.
 
-mod absent;
 mod axis;
 mod ground;
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 
-use super::campaign::{CampaignKeys, PlaceKeys, StartKeys};
-use super::jobs::{BLOCKS, Origin, Pricing};
+use super::campaign::{PlaceKeys, StartKeys};
 use super::lowering::Lowering;
-use super::plan::{Campaign, Driver, Published};
+use super::plan::Campaign;
 use super::walker::WalkerKind;
-use super::{Job, RunId, policy, published};
-use axis::Required;
-pub(crate) use axis::{Axis, Usual};
+pub(crate) use axis::{Axis, Required, Usual};
 use base::signature::{DeclarationId, Value};
 use episode::walker::Controller;
 use episode::{PedestrianRole, RewardRule};
 pub(crate) use ground::{Ground, Place, note_towns};
 use lang::diagnostics;
-use lang::hir::{Block, Declaration};
+use lang::hir::Block;
 
 /// A campaign that is laid out.
 pub(crate) struct Grid {
@@ -48,54 +43,6 @@ pub(crate) fn of_places(block: &Block) -> Vec<DeclarationId> {
 const MAX_JOBS: usize = 200_000;
 
 impl Lowering<'_> {
-    /// Lays out the grid of a campaign.
-    pub fn campaign(&mut self, declaration: &Declaration) -> Campaign {
-        let block = &declaration.block;
-        let keys: CampaignKeys = block.keys();
-        let rule = self.episode(keys.episode);
-        let ids = keys.requirements.unwrap_or_default();
-        let all = self.requirements(block, "requirements", &ids, &rule.value).into();
-        let (car, walker) = (self.vehicle(keys.vehicle), self.adversary(keys.body));
-        let roles = Arc::new(self.roles(block, keys.cast.as_deref()));
-        self.compare_signals(declaration, &roles);
-        let training = keys.training.map(|id| self.training(id, &roles.states(&walker.value)));
-        let usual = Usual { car, walker, roles, rule, requirements: Required { ids, all }, training };
-        let campaign = Campaign {
-            name: declaration.name.clone(),
-            docs: declaration.docs.clone(),
-            settings: Vec::new(),
-            words: Vec::new(),
-            requirements: usual.requirements.all.clone(),
-            towns: Vec::new(),
-            drivers: self.drivers(block),
-            jobs: Vec::new(),
-            published: self.published(keys.beside),
-        };
-        let mut grid = Grid { usual, campaign, rewards: BTreeMap::new() };
-        let mut has_blocks = false;
-        for kind in &BLOCKS {
-            for (number, inner) in (0..).zip(block.nested((kind.signature)().name)) {
-                has_blocks = true;
-                (kind.lower)(self, Nested { campaign: block, block: inner, number }, &mut grid);
-            }
-        }
-        let prices = Pricing::of_campaign(&grid.campaign, keys.price);
-        grid.campaign.jobs.extend(prices.into_iter().map(Job::from));
-        self.forbid_repeated_trainings(block, &grid.campaign);
-        self.warn_of_absent(block, &grid);
-        self.warn_of_stops(block, &grid);
-        self.warn_of_speeds(block, &grid);
-        if !grid.campaign.published.is_empty() && block.nested("train").next().is_none() {
-            self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
-        }
-        if !has_blocks {
-            let blocks = BLOCKS.map(|kind| format!("`{} {{ … }}`", (kind.signature)().name));
-            let help = format!("give it a block: {}", blocks.join(", "));
-            self.said.push(diagnostics::contradiction(block.head, "the campaign has no jobs".into()).help(help));
-        }
-        grid.campaign
-    }
-
     /// The ground of a block of jobs, and its pedestrian: that of the block, or of the campaign. None after reporting what is wrong with the starts of
     /// episodes.
     pub(crate) fn setting(
@@ -127,18 +74,6 @@ impl Lowering<'_> {
             self.said.push(diagnostics::too_many_combinations(block.head, cells, MAX_JOBS));
         }
         cells <= MAX_JOBS
-    }
-
-    /// The origins of the runs of a job that depends on these declarations.
-    pub(crate) fn origins(
-        &mut self,
-        at: Nested<'_>,
-        runs: u32,
-        parts: &[DeclarationId],
-    ) -> impl Iterator<Item = Origin> + use<> {
-        let (fingerprint, programs) = (self.fingerprint(parts), self.programs(parts));
-        let (id, block) = (RunId::default(), at.number);
-        (0..runs).map(move |run| Origin { id, block, run, fingerprint, programs: programs.clone(), needs: None })
     }
 
     /// A pedestrian that learns nothing, and its declaration if it has one; None after reporting what is wrong.
@@ -174,16 +109,5 @@ impl Lowering<'_> {
     /// Reports a block that trains in a campaign without a `training`.
     pub(crate) fn no_training(&mut self, at: Nested<'_>) {
         self.said.push(diagnostics::no_training(at.campaign.head, at.block.head));
-    }
-
-    /// The drivers that a campaign names, each once, in order.
-    fn drivers(&self, campaign: &Block) -> Vec<Driver> {
-        let mut seen = BTreeSet::new();
-        let all = BLOCKS.iter().flat_map(|kind| campaign.nested((kind.signature)().name).flat_map(kind.drivers));
-        all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
-    }
-
-    fn published(&mut self, beside: Option<Vec<DeclarationId>>) -> Vec<Published> {
-        beside.into_iter().flatten().map(|id| published::lower(self.program.get(id), self.program, self.said)).collect()
     }
 }

@@ -56,9 +56,7 @@ impl Lowering<'_> {
             (config.policies.is_some(), "no `policies`"),
         ];
         if let Some((_, needed)) = unfit.into_iter().find(|(is_wrong, _)| *is_wrong) {
-            let message =
-                format!("a driver sees one state at a time and scales it itself, so its training needs {needed}");
-            return self.said.push(diagnostics::contradiction(block.head, message));
+            return self.said.push(diagnostics::unfit_training(block.head, needed));
         }
         let places = PlaceKeys { towns: keys.towns, drivers: vec![keys.imitates] };
         let Some((ground, body)) = self.setting(at, &places, &keys.start, None, grid) else { return };

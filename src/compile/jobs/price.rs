@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::{Evaluation, Origin, Planned, Search};
-use crate::{Campaign, Job, RunId};
+use crate::{Campaign, RunId};
 use base::seed::Seed;
 use episode::{Criterion, EpisodeRule, RewardRule, Scenario};
 use world::av::{Cruise, CruiseKeys};
@@ -49,7 +49,7 @@ impl Planned for Pricing {
         self.starts = self.starts.min(2);
     }
 
-    fn names(&self, _: &[Job]) -> Vec<String> {
+    fn names(&self, _: Option<&dyn Planned>) -> Vec<String> {
         let Self { origin, town, policy, starts, .. } = self;
         let all: [&dyn ToString; 5] = [&"price", town, policy, &origin.fingerprint, starts];
         all.map(ToString::to_string).into()

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::objects::SpeedSignKeys;
-use super::{Drawn, Site};
+use super::site::{Drawn, Site};
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::{Keys, short};
 use base::{choice, keys};

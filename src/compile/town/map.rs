@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use super::{Drawn, Site};
+use super::site::{Drawn, Site};
 use base::diagnostic::Diagnostic;
 use base::keys;
 use lang::hir::Declaration;

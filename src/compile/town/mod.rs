@@ -1,6 +1,7 @@
+mod site;
+mod objects;
 mod drawn;
 mod map;
-mod objects;
 
 use std::f64::consts::SQRT_2;
 use std::path::Path;
@@ -15,6 +16,7 @@ use map::OpenDriveKeys;
 use objects::{BusStopKeys, CrosswalkKeys, SpeedSignKeys};
 use road::geometry::{OrientedBox, Point, Pose, Vector};
 use road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
+use site::{Drawn, Site};
 
 /// Half size of the box in which a speed sign takes effect (m): 0.35 of CARLA's lanes.
 const SIGN_HALF_SIZE: f64 = 1.4;
@@ -37,22 +39,6 @@ pub struct TownKind {
 }
 
 type Build = Arc<dyn Fn(&Declaration, &mut Site<'_>) -> Option<Drawn> + Send + Sync>;
-
-/// What the parts of a town are made from, and where mistakes are reported.
-struct Site<'a> {
-    /// The map that replaces the roads, if there is one.
-    map: Option<&'a Path>,
-    sources: &'a Sources,
-    read: &'a dyn Reader,
-    said: &'a mut Vec<Diagnostic>,
-}
-
-/// The parts of a town, before the objects of its file are put in.
-struct Drawn {
-    parts: TownParts,
-    /// Half of the width of the widest street (m); infinite if that is unknown.
-    half_width: f64,
-}
 
 impl TownKind {
     /// A kind with these keys. `make` gives the same parts for the same keys, or the reason why the town is impossible.
@@ -149,24 +135,29 @@ pub fn lower(
         }
     }
     town.add_crosswalks(crosswalks);
+    said.extend(on_lanes(&town, &standing, UNDER_SLACK + half_width));
+    let whole = said.len() == before;
+    said.extend(idle(&town, block, &standing));
+    whole.then_some(town)
+}
+
+/// Reports what stands on a driving lane, where it is within reach of a road (m).
+fn on_lanes(town: &Town, standing: &[(Span, OrientedBox)], reach: f64) -> Vec<Diagnostic> {
     // The first look-up of a lane is expensive, and in a described town most objects stand far from every street.
-    let reach = UNDER_SLACK + half_width;
     let near = |own: &OrientedBox| town.roads.iter().any(|road| comes_near(road, own, reach));
     // One message for a row or a grove.
-    let mut reported = None;
+    let (mut reported, mut found) = (None, Vec::new());
     for (place, own) in standing.iter().filter(|(_, own)| near(own)) {
-        if let Some(road) = road_under(&town, own).filter(|_| reported != Some(*place)) {
+        if let Some(road) = road_under(town, own).filter(|_| reported != Some(*place)) {
             reported = Some(*place);
             let whose = match road.name.as_str() {
                 "" => format!("road {}", road.id),
                 name => format!("`{name}`"),
             };
-            said.push(diagnostics::unbuildable_town(*place, &format!("this stands on a driving lane of {whose}")));
+            found.push(diagnostics::unbuildable_town(*place, &format!("this stands on a driving lane of {whose}")));
         }
     }
-    let whole = said.len() == before;
-    said.extend(idle(&town, block, &standing));
-    whole.then_some(town)
+    found
 }
 
 /// Reports objects that have no effect where they stand.

@@ -35,11 +35,6 @@ impl Degree {
         self.robustness.is_sign_negative()
     }
 
-    /// The degree of the negation.
-    pub(super) fn negated(self) -> Self {
-        Self { robustness: -self.robustness, ..self }
-    }
-
     /// The lesser of two; of equal ones the first.
     pub(super) fn and(self, other: Self) -> Self {
         if other.robustness.total_cmp(&self.robustness).is_lt() { other } else { self }

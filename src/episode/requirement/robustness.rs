@@ -93,7 +93,7 @@ impl Trace {
             }
             Temporal::Not(inner) => {
                 let mut values = self.evaluate(inner, dt);
-                values.iter_mut().for_each(|value| *value = value.negated());
+                values.iter_mut().for_each(|value| value.robustness = -value.robustness);
                 values
             }
             Temporal::And(a, b) => self.both(a, b, dt, Degree::and),

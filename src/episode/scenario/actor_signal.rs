@@ -1,11 +1,16 @@
 //! The signals of an actor of a cast towards another one: `child.gap`, `gap(child, van)`.
 
-use super::signal::{FARTHEST, FASTEST};
 use base::signature::{ActorSignal, Variable};
 use base::units::Dimension;
 use road::Place;
 use road::geometry::Pose;
 use world::sim::{ActorId, Contact, World};
+
+/// No car reaches this speed (m/s).
+pub(super) const FASTEST: f64 = 1000.0;
+/// The longest episode: a million ticks of 0.1 s.
+pub(super) const MAX_TIME: f64 = 1e5;
+pub(crate) const FARTHEST: f64 = FASTEST * MAX_TIME;
 
 /// The signals, in the order of their numbers.
 pub(super) fn signals() -> Vec<Variable> {

@@ -1,14 +1,10 @@
 use std::sync::Arc;
 
 use crate::walker;
-use crate::{ActionSpec, DriverParts, ObservationSpec, Placement};
+use crate::{ActionSpec, DriverParts, ObservationSpec, Placement, PolicyMaker};
 use base::choice;
 use learn::{Agent, Policies};
-use world::av::DrivingPolicy;
 use world::sim::{ActorId, PedestrianBody, VehicleBlueprint, WalkCommand};
-
-/// Makes a fresh driving policy; every episode's environment owns one for each vehicle.
-pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
 
 /// The actors of a scenario, in the order of their numbers in a world.
 #[derive(Clone)]

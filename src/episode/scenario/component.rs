@@ -2,6 +2,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use super::observation::UNITS;
 use crate::{ActionSpec, Cast, EpisodeRule, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling};
 use world::sim::Gait;
 
@@ -17,9 +18,6 @@ pub struct Component {
     pub high: Option<f64>,
     pub meaning: &'static str,
 }
-
-/// The angle that an observation scaled to units divides by (rad), the distance (m) and the speed (m/s).
-pub(super) const UNITS: (f64, f64, f64) = (PI, 30.0, 8.0);
 
 /// The numbers about another actor: name, whether it is a length or a speed, and meaning.
 const OTHER: [(&str, Option<bool>, &str); ObservationSpec::OTHER_DIM] = [
@@ -128,26 +126,19 @@ impl ActionSpec {
 }
 
 impl Cast {
-    /// The numbers of a joint state in their order. Those of further pedestrians have their number in the name.
-    pub fn state_components(&self) -> Vec<Component> {
-        self.controlled().flat_map(|(number, role)| of(number, role.observation.components())).collect()
-    }
-
-    /// The numbers of a joint action in their order.
-    pub fn action_components(&self) -> Vec<Component> {
-        self.controlled().flat_map(|(number, role)| of(number, role.action.components())).collect()
-    }
-
-    /// The state, the action and the time of a decision as entries for the header of a network, with the components as JSON.
+    /// The state, the action and the time of a decision as entries for the header of a network, with the components as JSON. Those of further
+    /// pedestrians have their number in the name.
     pub fn interface(&self, rule: &EpisodeRule) -> Vec<(&'static str, String)> {
         let json = |components: Vec<Component>| {
             serde_json::to_string(&components).expect("names and finite bounds have a form in JSON")
         };
+        let state = self.controlled().flat_map(|(number, role)| of(number, role.observation.components()));
+        let action = self.controlled().flat_map(|(number, role)| of(number, role.action.components()));
         let role = self.controlled().next().map_or(self.pedestrian(), |(_, role)| role);
         vec![
-            ("state", json(self.state_components())),
+            ("state", json(state.collect())),
             ("state_frame", role.observation.frame.name().into()),
-            ("action", json(self.action_components())),
+            ("action", json(action.collect())),
             ("action_frame", role.action.frame.name().into()),
             ("body", body(role)),
             ("tick_s", rule.tick.to_string()),

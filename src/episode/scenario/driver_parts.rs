@@ -1,8 +1,10 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::PolicyMaker;
-use world::av::Weakness;
+use world::av::{DrivingPolicy, Weakness};
+
+/// Makes a fresh driving policy; every episode's environment owns one for each vehicle.
+pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
 
 /// What can be exchanged of a driver whose parts are known.
 #[derive(Clone, Default)]

@@ -19,11 +19,11 @@ mod outcome;
 mod criterion;
 
 pub use action::ActionSpec;
-pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, PolicyMaker, VehicleRole};
+pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, VehicleRole};
 pub use component::Component;
 pub use criterion::Criterion;
 pub use destination::Destination;
-pub use driver_parts::{DriverParts, Setting};
+pub use driver_parts::{DriverParts, PolicyMaker, Setting};
 pub use observation::{Observation, ObservationSpec, ObservedSpeed, SeenActor};
 pub use outcome::{Ending, Impact, LeftOut, Outcome};
 pub use reference_frame::{ReferenceFrame, Scaling};

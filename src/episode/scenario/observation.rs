@@ -1,9 +1,11 @@
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-use super::component::UNITS;
 use crate::{ReferenceFrame, Scaling};
 use base::choice;
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
+
+/// The angle that an observation scaled to units divides by (rad), the distance (m) and the speed (m/s).
+pub(super) const UNITS: (f64, f64, f64) = (PI, 30.0, 8.0);
 
 choice! {
     /// The meaning of the paper's "relative scalar speed".

@@ -7,6 +7,7 @@ use base::units::Dimension;
 use road::Town;
 use road::geometry::Pose;
 
+use super::actor_signal::{self, FARTHEST, FASTEST, MAX_TIME};
 use super::reward::HitClass;
 use crate::{EpisodeRule, Scenario};
 
@@ -161,13 +162,10 @@ variables! {
 pub(crate) const HORIZON: f64 = 10.0;
 /// The greatest distance of a light or a crosswalk ahead (m).
 pub(crate) const AHEAD: f64 = 100.0;
-/// No car reaches this speed, and no pedestrian this one (m/s).
-pub(super) const FASTEST: f64 = 1000.0;
+/// No pedestrian reaches this speed (m/s).
 const WALKING: f64 = 41.0;
-/// The longest episode: a million ticks of 0.1 s, and the shortest tick (s).
-const MAX_TIME: f64 = 1e5;
+/// The shortest tick (s).
 const SHORTEST: f64 = 1e-3;
-pub(crate) const FARTHEST: f64 = FASTEST * MAX_TIME;
 /// The centre of a pedestrian that touches a car is not at the car's centre (m).
 const TOUCHING: f64 = 0.1;
 
@@ -179,7 +177,7 @@ pub fn vocabulary() -> Vocabulary {
         |name, doc| Event { name, words: &[], declared: None, variables: until(Since::Motion), answered: true, doc };
     Vocabulary {
         variables: VARIABLES.iter().map(|(variable, _)| variable.clone()).collect(),
-        signals: super::actor_signal::signals(),
+        signals: actor_signal::signals(),
         events: vec![
             Event {
                 name: "touch",

@@ -1,7 +1,8 @@
 use super::lane_watch::{LanePlace, LaneWatch};
 use super::motion::STANDING;
 use crate::MOVING_ABOVE;
-use crate::scenario::signal::{AHEAD, FARTHEST, HORIZON, Situation, Wanted};
+use crate::scenario::actor_signal::FARTHEST;
+use crate::scenario::signal::{AHEAD, HORIZON, Situation, Wanted};
 use road::geometry::{OrientedBox, Point, Vector, polygon, time_to_touch};
 use road::{Crosswalk, Place, TrafficLight};
 use world::sim::{ActorId, Contact, LightColour, World};

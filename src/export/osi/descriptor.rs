@@ -79,23 +79,6 @@ pub fn descriptor() -> FileDescriptorSet {
             ("map_reference", 15, Kind::String),
         ],
     );
-    let mut moving_object = message(
-        "MovingObject",
-        &[
-            ("id", 1, Message("Identifier")),
-            ("base", 2, Message("BaseMoving")),
-            ("type", 3, Enum("MovingObject.Type")),
-            ("vehicle_attributes", 5, Message("MovingObject.VehicleAttributes")),
-            ("vehicle_classification", 6, Message("MovingObject.VehicleClassification")),
-            ("source_reference", 10, Repeated("ExternalReference")),
-        ],
-    );
-    let attributes = [("bbcenter_to_rear", 4, Message("Vector3d")), ("bbcenter_to_front", 5, Message("Vector3d"))];
-    let mut classification =
-        message("VehicleClassification", &[("type", 1, Enum("MovingObject.VehicleClassification.Type"))]);
-    classification.enums.push(enumeration(&[("TYPE_UNKNOWN", 0), ("TYPE_MEDIUM_CAR", 4)]));
-    moving_object.nested = vec![message("VehicleAttributes", &attributes), classification];
-    moving_object.enums.push(enumeration(&[("TYPE_UNKNOWN", 0), ("TYPE_VEHICLE", 2), ("TYPE_PEDESTRIAN", 3)]));
     let mut stationary_object = message(
         "StationaryObject",
         &[
@@ -119,7 +102,7 @@ pub fn descriptor() -> FileDescriptorSet {
         message("BaseStationary", &still),
         message("BaseMoving", &moving),
         stationary_object,
-        moving_object,
+        moving_object(),
         ground_truth,
     ];
     let file = FileDescriptor {
@@ -129,6 +112,28 @@ pub fn descriptor() -> FileDescriptorSet {
         syntax: "proto2".to_owned(),
     };
     FileDescriptorSet { files: vec![file] }
+}
+
+fn moving_object() -> Descriptor {
+    use Kind::{Enum, Message, Repeated};
+    let mut all = message(
+        "MovingObject",
+        &[
+            ("id", 1, Message("Identifier")),
+            ("base", 2, Message("BaseMoving")),
+            ("type", 3, Enum("MovingObject.Type")),
+            ("vehicle_attributes", 5, Message("MovingObject.VehicleAttributes")),
+            ("vehicle_classification", 6, Message("MovingObject.VehicleClassification")),
+            ("source_reference", 10, Repeated("ExternalReference")),
+        ],
+    );
+    let attributes = [("bbcenter_to_rear", 4, Message("Vector3d")), ("bbcenter_to_front", 5, Message("Vector3d"))];
+    let mut classification =
+        message("VehicleClassification", &[("type", 1, Enum("MovingObject.VehicleClassification.Type"))]);
+    classification.enums.push(enumeration(&[("TYPE_UNKNOWN", 0), ("TYPE_MEDIUM_CAR", 4)]));
+    all.nested = vec![message("VehicleAttributes", &attributes), classification];
+    all.enums.push(enumeration(&[("TYPE_UNKNOWN", 0), ("TYPE_VEHICLE", 2), ("TYPE_PEDESTRIAN", 3)]));
+    all
 }
 
 fn message(name: &str, fields: &[Field]) -> Descriptor {

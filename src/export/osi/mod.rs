@@ -12,8 +12,9 @@ mod descriptor;
 
 use prost::Message;
 
+use super::format::{ExportFile, Exporter, Variant};
 use super::recording::{Channel, Recording};
-use super::{Episode, ExportError, ExportFile, Exporter, Variant, opendrive};
+use super::{Episode, ExportError, opendrive};
 
 /// The versions of OSI and of protobuf: those of the package osi-python 3.8.0, by which the messages are tested.
 const VERSION: &str = "3.8.0";

@@ -23,7 +23,7 @@ pub use text::*;
 pub use values::*;
 pub use worlds::*;
 
-use base::diagnostic::{Diagnostic, Span};
+use base::diagnostic::Diagnostic;
 use base::suggest::nearest;
 
 /// Maximum number of words of a list that are shown; a hostile file may have any number.
@@ -81,21 +81,21 @@ fn elsewhere<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     ELSEWHERE.iter().find(|(name, _)| *name == word).and_then(|(_, ours)| find(ours)).or_else(longer)
 }
 
-/// Points at an unknown word, and offers the nearest known one or lists them all; the message is given.
-fn unknown<'a>(
-    code: &'static str,
-    span: Span,
-    message: String,
-    word: &str,
-    known: impl IntoIterator<Item = &'a str>,
-) -> Diagnostic {
-    // A comparison of every unknown word with every known one would take too long.
-    const MAX_COMPARED: usize = 200;
-    let diagnostic = Diagnostic::error(code, span, message);
-    let known: Vec<&str> = known.into_iter().take(MAX_COMPARED).collect();
-    match elsewhere(word, &known).or_else(|| nearest(word, known.iter().copied())) {
-        Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
-        None if known.is_empty() => diagnostic.here("none is declared or imported"),
-        None => diagnostic.help(format!("known here: {}", quoted(known))),
+/// Advice on an unknown word.
+trait Offering {
+    /// Offers the nearest known word, or lists them all.
+    fn offering(self, word: &str, known: &[&str]) -> Self;
+}
+
+impl Offering for Diagnostic {
+    fn offering(self, word: &str, known: &[&str]) -> Self {
+        // A comparison of every unknown word with every known one would take too long.
+        const MAX_COMPARED: usize = 200;
+        let known = &known[..known.len().min(MAX_COMPARED)];
+        match elsewhere(word, known).or_else(|| nearest(word, known.iter().copied())) {
+            Some(near) => self.here(format!("did you mean `{near}`?")).fix(near),
+            None if known.is_empty() => self.here("none is declared or imported"),
+            None => self.help(format!("known here: {}", quoted(known.iter().copied()))),
+        }
     }
 }

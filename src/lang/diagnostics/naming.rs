@@ -1,13 +1,8 @@
 //! Wrong names: forms, kinds, keys, declarations, parameters, settings.
 
-use super::{cut, one, quoted, unknown};
+use super::{Offering, cut, one, quoted};
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::Param;
-
-/// An import names something that the file does not declare.
-pub fn unknown_import<'a>(span: Span, word: &str, path: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    unknown("unknown-import", span, format!("`{path}` declares no `{}`", cut(word)), word, known)
-}
 
 diagnostics! {
     param_cycle(name: &str) = error("param-cycle", "the parameter `{name}` depends on itself")
@@ -41,16 +36,15 @@ diagnostics! {
     long_name(limit: usize) = error("too-long", "this name has more than {limit} letters").help("files of the report are named after it");
     long_combination(name: &str, limit: usize) = error("too-long", "a combination's name would have more than {limit} letters: `{}`", cut(name))
         .help("give its parameters shorter names, or fewer of them");
-}
-
-/// The type of a parameter is not known.
-pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
-}
-
-/// A setting names nothing.
-pub fn unknown_setting<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known)
+    unknown_type(word: &str, known: &[&str]) = error("unknown-type", "unknown type `{}`", cut(word)).offering(word, known);
+    unknown_form(word: &str, forms: &[&str]) = error("unknown-form", "unknown declaration `{}`", cut(word)).offering(word, forms);
+    unknown_key(owner: &str, word: &str, keys: &[&str]) = error("unknown-key", "`{owner}` has no key `{}`", cut(word)).offering(word, keys);
+    no_training(trains: Span) = error("missing-key", "`campaign` needs the key `training`")
+        .label(trains, "pedestrians are trained here")
+        .help("`training` is the name of a training, and says how they are trained");
+    unknown_import(word: &str, path: &str, known: &[&str]) = error("unknown-import", "`{path}` declares no `{}`", cut(word)).offering(word, known);
+    unknown_setting(word: &str, known: &[&str]) = error("unknown-setting", "unknown parameter or declaration `{}`", cut(word)).offering(word, known);
+    unknown_name(form: &str, word: &str, known: &[&str]) = error("unknown-name", "unknown {form} `{}`", cut(word)).offering(word, known);
 }
 
 /// A setting names several things.
@@ -64,11 +58,6 @@ pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
     ambiguous.help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
 }
 
-/// The first word of a declaration is not a form.
-pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
-    unknown("unknown-form", span, format!("unknown declaration `{}`", cut(word)), word, forms.iter().copied())
-}
-
 /// The word after `=` is not a kind of this form.
 pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagnostic {
     if kinds.is_empty() {
@@ -79,12 +68,7 @@ pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagn
         );
         return Diagnostic::error("unknown-kind", span, message).help(help);
     }
-    unknown("unknown-kind", span, format!("unknown kind `{}` of {form}", cut(word)), word, kinds.iter().copied())
-}
-
-/// A key is not in the signature.
-pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
-    unknown("unknown-key", span, format!("`{owner}` has no key `{}`", cut(word)), word, keys.iter().copied())
+    Diagnostic::error("unknown-kind", span, format!("unknown kind `{}` of {form}", cut(word))).offering(word, kinds)
 }
 
 /// Keys without default are not given; there is at least one.
@@ -94,13 +78,6 @@ pub fn missing_keys(span: Span, owner: &str, params: &[&Param]) -> Diagnostic {
     let names = quoted(params.iter().map(|param| param.name));
     let missing = Diagnostic::error("missing-key", span, format!("`{owner}` needs the {several} {names}"));
     params.iter().fold(missing, |missing, param| missing.help(of(param)))
-}
-
-/// A campaign has no settings for the pedestrians that it, or a falsifier of it, trains.
-pub fn no_training(campaign: Span, trains: Span) -> Diagnostic {
-    Diagnostic::error("missing-key", campaign, "`campaign` needs the key `training`")
-        .label(trains, "pedestrians are trained here")
-        .help("`training` is the name of a training, and says how they are trained")
 }
 
 /// A value in parentheses has no key.
@@ -118,12 +95,7 @@ pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str]) -> Di
     if blocks.is_empty() {
         return Diagnostic::error("unknown-block", span, message).here("no blocks are allowed here");
     }
-    unknown("unknown-block", span, message, word, blocks.iter().copied())
-}
-
-/// A reference leads to no declaration.
-pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    unknown("unknown-name", span, format!("unknown {form} `{}`", cut(word)), word, known)
+    Diagnostic::error("unknown-block", span, message).offering(word, blocks)
 }
 
 /// A reference names a declaration of the standard library that the file does not import; `added` is the import that is missing,
@@ -140,15 +112,9 @@ pub fn not_imported(span: Span, form: &str, word: &str, file: &str, added: Optio
 }
 
 /// A reference names something of another form.
-pub fn other_form<'a>(
-    span: Span,
-    form: &str,
-    word: &str,
-    other: &str,
-    known: impl IntoIterator<Item = &'a str>,
-) -> Diagnostic {
+pub fn other_form(span: Span, form: &str, word: &str, other: &str, known: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::error("unknown-name", span, format!("unknown {form} `{}`", cut(word)))
         .here(format!("this is {}", one(other)));
-    let known: Vec<&str> = known.into_iter().collect();
-    if known.is_empty() { diagnostic } else { diagnostic.help(format!("known here: {}", quoted(known))) }
+    let help = |known: &[&str]| format!("known here: {}", quoted(known.iter().copied()));
+    if known.is_empty() { diagnostic } else { diagnostic.help(help(known)) }
 }

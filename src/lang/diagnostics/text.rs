@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 
-use super::super::{library, reason};
+use crate::library;
 use base::diagnostic::{Diagnostic, Span};
 use base::suggest::nearest;
 
@@ -37,6 +37,17 @@ pub fn misplaced_edition(span: Span, first: Option<Span>) -> Diagnostic {
     match first {
         Some(first) => diagnostic.label(first, "first named here"),
         None => diagnostic.help("move it to the start of the file"),
+    }
+}
+
+/// The reason in words why a file cannot be read.
+pub fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file".into(),
+        ErrorKind::PermissionDenied => "you may not read it".into(),
+        ErrorKind::InvalidData if error.get_ref().is_none() => "it is not UTF-8 text".into(),
+        ErrorKind::IsADirectory => "it is a folder".into(),
+        _ => error.to_string(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Wrong values: types, units, bounds; formulas, ranges, distributions, events.
 
-use super::{cut, one, quoted, unknown};
+use super::{Offering, cut, one, quoted};
 use base::diagnostic::{Diagnostic, Label, Span};
 use base::signature::{Param, Type};
 use base::units::Dimension;
@@ -36,6 +36,9 @@ diagnostics! {
         .help("declare one: `requirement name = always(gap > 0.5 m)`; a campaign names it in `requirements`");
     wrong_bound(found: usize) = error("wrong-type", "a bound has two times, found {found}")
         .help("from and to, both included, after the present sample: `[0 s, 2 s]`");
+    unbounded(written: &str, bounds: &str) = error("unbounded", "this distribution has no bounds")
+        .here(format!("allowed: {bounds}"))
+        .help(format!("limit it to a range: `truncated({}, low .. high)`", cut(written)));
     foregone(truth: bool) = error("foregone", "this comparison is always {truth}")
         .here("so it is for all values within the bounds of what it names")
         .help("`falsify explain NAME` gives the bounds of a variable");
@@ -43,6 +46,13 @@ diagnostics! {
         .here("without `always`, `eventually` or `until` only the first sample counts")
         .help("for all samples write `always(…)`");
     duplicate_clause(first: Span) = error("duplicate-clause", "this event already has a clause").label(first, "the first is here");
+    unknown_distribution(word: &str, known: &[&str]) = error("unknown-distribution", "unknown distribution `{}`", cut(word)).offering(word, known);
+    unknown_choice(word: &str, words: &[&str]) = error("unknown-choice", "`{}` is not among the choices", cut(word)).offering(word, words);
+    unknown_function(word: &str, known: &[&str]) = error("unknown-function", "unknown function `{}`", cut(word)).offering(word, known);
+    unknown_event(word: &str, known: &[&str]) = error("unknown-event", "unknown event `{}`", cut(word)).offering(word, known);
+    unknown_event_word(event: &str, word: &str, known: &[&str]) = error("unknown-event-word", "the event `{event}` has no word `{}`", cut(word))
+        .offering(word, known);
+    unknown_variable(word: &str, known: &[&str]) = error("unknown-variable", "unknown variable or parameter `{}`", cut(word)).offering(word, known);
 }
 
 /// A bare number stands where a unit is needed.
@@ -115,31 +125,6 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
         .help("the word after a number is its unit; any other word follows a sign, a comma or a new line")
 }
 
-/// A distribution reaches beyond the bounds of its key.
-pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
-    let diagnostic =
-        Diagnostic::error("unbounded", span, "this distribution has no bounds").here(format!("allowed: {bounds}"));
-    diagnostic.help(format!("limit it to a range: `truncated({}, low .. high)`", cut(written)))
-}
-
-/// A function that makes distributions is not known.
-pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    let message = format!("unknown distribution `{}`", cut(word));
-    unknown("unknown-distribution", span, message, word, known.iter().copied())
-}
-
-/// A word is not among the choices.
-pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
-    let message = format!("`{}` is not among the choices", cut(word));
-    unknown("unknown-choice", span, message, word, words.iter().copied())
-}
-
-/// A formula names an unknown variable.
-pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    let message = format!("unknown variable or parameter `{}`", cut(word));
-    unknown("unknown-variable", span, message, word, known)
-}
-
 /// A formula names a variable that has no value at this event.
 pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str]) -> Diagnostic {
     if event == "begin" {
@@ -152,12 +137,6 @@ pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str])
     }
     Diagnostic::error("unavailable-variable", span, format!("`{word}` has no value at `{event}`"))
         .help(format!("available at `{event}`: {}", quoted(known.iter().copied())))
-}
-
-/// A formula calls an unknown function.
-pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    let message = format!("unknown function `{}`", cut(word));
-    unknown("unknown-function", span, message, word, known.iter().copied())
 }
 
 /// A plain number is compared with a quantity, or added to one.
@@ -178,21 +157,6 @@ pub fn mixed_dimensions(left: Span, first: Dimension, right: Span, second: Dimen
         }
         _ => diagnostic,
     }
-}
-
-/// A clause names an unknown event.
-pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-event", span, format!("unknown event `{}`", cut(word)), word, known.iter().copied())
-}
-
-pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -> Diagnostic {
-    unknown(
-        "unknown-event-word",
-        span,
-        format!("the event `{event}` has no word `{}`", cut(word)),
-        word,
-        known.iter().copied(),
-    )
 }
 
 /// An event needs the name of a declaration in parentheses.

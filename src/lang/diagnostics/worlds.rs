@@ -54,29 +54,44 @@ diagnostics! {
         .help("use a smaller network, or one without loops and wide layers");
     untrusted_model(path: &str, reason: &str) = error("unusable-model", "cannot use the model `{path}`: {reason}")
         .help("use a smaller network, or run it in a program of your own (`external`)");
-}
-
-/// Values that are fine alone contradict each other.
-pub fn contradiction(span: Span, message: String) -> Diagnostic {
-    Diagnostic::error("contradiction", span, message)
-}
-
-/// Trained pedestrians are to be evaluated where none are trained.
-pub fn trained_without_training(span: Span) -> Diagnostic {
-    contradiction(span, "this campaign has no `train` block, so it has no trained pedestrians to evaluate".into())
-        .help("use `random`, `homing` or `intercept` instead: `pedestrians: [random]`")
-}
-
-/// One policy is to move each of several trained pedestrians, which see or choose other numbers.
-pub fn unshared_policy(span: Span) -> Diagnostic {
-    let message = "`policies: shared` of the training needs pedestrians that see and choose the same";
-    contradiction(span, message.into()).help("give the trained roles of the cast one `body`, or write `policies: each`")
-}
-
-/// A search is to learn what each pedestrian adds.
-pub fn removal_search(span: Span) -> Diagnostic {
-    let message = "`credit: removal` runs episodes again, in ticks that the budget of a search does not have";
-    contradiction(span, message.into()).help("give the `method` a `training` with `credit: team` or `credit: own`")
+    contradiction(message: String) = error("contradiction", "{message}");
+    two_speeds() = error("contradiction", "the ego has either an `ego_speed` or a `test_speed`").help("remove one of them");
+    own_speed() = error("contradiction", "`ego_speed` is not drawn here: the driver comes at its own speed")
+        .help("draw it, as in `ego_speed: 5 m/s .. 8 m/s`");
+    two_starts(lane: Span) = error("contradiction", "the ego begins either on `ego_poses` or on an `ego_lane`, not on both").label(lane, "the lane is here");
+    no_area(distance: Span) = error("contradiction", "places are uniform over the ground only when the distance is a range `low .. high`")
+        .label(distance, "this is not a range");
+    unfit_training(needed: &str) = error("contradiction", "a driver sees one state at a time and scales it itself, so its training needs {needed}");
+    scripted_attack() = error("contradiction", "a target walks as its test states, so nothing can attack a driver from these starts")
+        .help("use a `spawn` with ranges");
+    test_of_repair() = error("contradiction", "the driver is repaired in this town, so a test in it shows less than it seems to")
+        .help("name a town that is not among `towns`");
+    trained_without_training() = error("contradiction", "this campaign has no `train` block, so it has no trained pedestrians to evaluate")
+        .help("use `random`, `homing` or `intercept` instead: `pedestrians: [random]`");
+    unshared_policy() = error("contradiction", "`policies: shared` of the training needs pedestrians that see and choose the same")
+        .help("give the trained roles of the cast one `body`, or write `policies: each`");
+    removal_search() = error("contradiction", "`credit: removal` runs episodes again, in ticks that the budget of a search does not have")
+        .help("give the `method` a `training` with `credit: team` or `credit: own`");
+    uncopied_removal() = error("contradiction", "`credit: removal` runs an episode again from its start, and a driver that is a program cannot be copied")
+        .help("`credit: team` and `credit: own` need no copy");
+    bound_too_long(formula: Span, name: &str, end: f64, length: f64) = error("contradiction",
+        "a bound of `{name}` ends {} s after the start, and the episode lasts {} s", short(end), short(length))
+        .label(formula, "the formula is here")
+        .help("samples after the end do not exist: shorten the bound, or give the `episode` more `ticks`");
+    bound_between_ticks(formula: Span, name: &str, bound: &str, tick: f64) = error("contradiction", "no tick lies in the bound `{bound}` of `{name}`")
+        .label(formula, "the formula is here")
+        .help(format!("ticks are {} s apart; the present sample is at 0 s", short(tick)));
+    never_applies(name: &str, part: &str, towns: &[&str], here: &str) = warning("never-applies",
+        "`{name}` is about {part}, and there are none in `{}`", towns.join("`, `"))
+        .here(here)
+        .help(format!("use a town with {part}"));
+    unreachable_speed(name: &str, comparison: &str, limit: f64) = warning("unreachable-speed",
+        "`{comparison}` of `{name}` is the same in every episode: no car here drives so fast")
+        .here(format!("the highest speed limit is {} km/h", short((limit * 3.6).round())))
+        .help("see whether the unit is the one that you mean: 20 m/s are 72 km/h");
+    unfit_pedestrian(controller: &str, adversary: &str, reason: &str) = error("unfit-pedestrian",
+        "`{controller}` cannot walk as the `body` `{adversary}`: {reason}")
+        .help("give the campaign, or `bodies` of this block, the `body` of its training");
 }
 
 /// A value lies above one that it must not exceed.
@@ -99,23 +114,6 @@ pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
     diagnostic.help(format!("`falsify preview {path}` lists them all"))
 }
 
-/// A bound of a requirement reaches beyond the end of the longest episode (s).
-pub fn bound_too_long(span: Span, formula: Span, name: &str, end: f64, length: f64) -> Diagnostic {
-    contradiction(
-        span,
-        format!("a bound of `{name}` ends {} s after the start, and the episode lasts {} s", short(end), short(length)),
-    )
-    .label(formula, "the formula is here")
-    .help("samples after the end do not exist: shorten the bound, or give the `episode` more `ticks`")
-}
-
-/// No tick lies in a bound of a requirement.
-pub fn bound_between_ticks(span: Span, formula: Span, name: &str, bound: &str, tick: f64) -> Diagnostic {
-    contradiction(span, format!("no tick lies in the bound `{bound}` of `{name}`"))
-        .label(formula, "the formula is here")
-        .help(format!("ticks are {} s apart; the present sample is at 0 s", short(tick)))
-}
-
 /// A bend, or a turn in a junction, asks a car at a speed limit (m/s) for more lateral acceleration than drivers allow: radius of the lane (m), and
 /// both accelerations (m/s²).
 pub fn fast_bend(span: Span, in_junction: bool, limit: f64, radius: f64, [lateral, most]: [f64; 2]) -> Diagnostic {
@@ -124,34 +122,6 @@ pub fn fast_bend(span: Span, in_junction: bool, limit: f64, radius: f64, [latera
     Diagnostic::warning("fast-bend", span, format!("the speed limit, {limit} km/h, is too high for a {place} of the street"))
         .here(format!("{lateral:.1} m/s^2 sideways on a lane with a radius of {radius:.1} m; {most} is the most"))
         .help(format!("a driver that does not slow down there leaves the road: state a lower `speed_limit`, or give the town a larger `{key}`"))
-}
-
-/// A requirement, a reward or a driver is about a part that these towns do not have.
-/// `here` says what follows.
-pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str], here: &str) -> Diagnostic {
-    let towns = towns.iter().map(|town| format!("`{town}`")).collect::<Vec<_>>().join(", ");
-    Diagnostic::warning("never-applies", span, format!("`{name}` is about {part}, and there are none in {towns}"))
-        .here(here)
-        .help(format!("use a town with {part}"))
-}
-
-/// A comparison of a requirement is decided by the speed limits: the highest limit (m/s).
-pub fn unreachable_speed(span: Span, name: &str, comparison: &str, limit: f64) -> Diagnostic {
-    let limit = format!("{} km/h", short((limit * 3.6).round()));
-    let message = format!("`{comparison}` of `{name}` is the same in every episode: no car here drives so fast");
-    Diagnostic::warning("unreachable-speed", span, message)
-        .here(format!("the highest speed limit is {limit}"))
-        .help("see whether the unit is the one that you mean: 20 m/s are 72 km/h")
-}
-
-/// A pedestrian cannot be removed from an episode whose driver is a program.
-pub fn uncopied_removal(span: Span) -> Diagnostic {
-    contradiction(
-        span,
-        "`credit: removal` runs an episode again from its start, and a driver that is a program cannot be copied"
-            .into(),
-    )
-    .help("`credit: team` and `credit: own` need no copy")
 }
 
 /// A car that brakes for nobody passes cases of a test: their number, and that of all cases.
@@ -163,13 +133,6 @@ pub fn idle_test(span: Span, test: &str, passed: usize, cases: usize) -> Diagnos
         Diagnostic::warning("idle-test", span, message).here("they count as not run, so there is no score")
     };
     idle.help("car and target do not meet: give the `episode` more `ticks` than the `headway` takes, and a longer road")
-}
-
-/// A controller cannot walk as this adversary.
-pub fn unfit_pedestrian(span: Span, controller: &str, adversary: &str, reason: &str) -> Diagnostic {
-    let message = format!("`{controller}` cannot walk as the `body` `{adversary}`: {reason}");
-    Diagnostic::error("unfit-pedestrian", span, message)
-        .help("give the campaign, or `bodies` of this block, the `body` of its training")
 }
 
 /// Whether a diagnostic reports that no start is possible.

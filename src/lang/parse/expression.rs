@@ -10,7 +10,7 @@ use super::{Reader, inner_text, read_number};
 use crate::ast::{Entry, Expression, ExpressionKind, Known, Name, Operator};
 use crate::diagnostics;
 use crate::formula::is_function;
-use crate::requirement::is_temporal;
+use crate::temporal::is_temporal;
 use crate::value::distributions;
 use base::diagnostic::Span;
 

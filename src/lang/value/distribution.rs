@@ -1,8 +1,8 @@
 //! Distributions: constants, ranges, and calls of the functions that make them.
 
-use super::number::{ends, is_formula, quantity, within};
-use super::{Context, describe};
-use crate::ast::{Expression, ExpressionKind, Known};
+use super::context::{Context, describe};
+use super::quantity::{ends, is_formula, quantity, within};
+use crate::ast::{Expression, ExpressionKind, Known, Name};
 use crate::diagnostics;
 use crate::formula::is_function;
 use base::diagnostic::Diagnostic;
@@ -47,59 +47,7 @@ pub(super) fn distribution(
             Some(known.clone())
         }
         ExpressionKind::Call { function, arguments, .. } if !is_function(&function.text) => {
-            let Some((name, takes)) = DISTRIBUTIONS.iter().find(|(name, _)| *name == function.text) else {
-                let known: Vec<&str> = DISTRIBUTIONS.iter().map(|(name, _)| *name).collect();
-                said.push(diagnostics::unknown_distribution(function.span, &function.text, &known));
-                return None;
-            };
-            if parts_of(expression) > MAX_PARTS {
-                said.push(diagnostics::too_many_parts(span, MAX_PARTS));
-                return None;
-            }
-            let parts = |said: &mut Vec<Diagnostic>| {
-                let each = |part: &Expression| distribution(part, dimension, context, said);
-                arguments.iter().map(each).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()
-            };
-            match (*name, arguments.as_slice()) {
-                ("uniform", [low, high]) => {
-                    let (a, b) = ends(span, low, high, dimension, context, said)?;
-                    Some(Distribution::Uniform(a, b))
-                }
-                ("normal", [mean, deviation]) => {
-                    let middle = quantity(mean, dimension, context, said);
-                    let spread = quantity(deviation, dimension, context, said);
-                    let (mean, spread) = (middle?, spread?);
-                    within(spread, MIN_POSITIVE, MAX_MAGNITUDE, dimension, deviation.span, context, said)?;
-                    let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-                    Some(Distribution::Normal { mean, deviation: spread, low, high })
-                }
-                ("truncated", [inner, range]) => {
-                    let whole = distribution(inner, dimension, context, said);
-                    let ExpressionKind::Range(low, high) = &range.kind else {
-                        said.push(diagnostics::not_a(range.span, "range", &describe(range)));
-                        return None;
-                    };
-                    let (a, b) = ends(range.span, low, high, dimension, context, said)?;
-                    let kept = whole?.truncated(a, b);
-                    if kept.is_none() {
-                        said.push(diagnostics::nothing_left(span, inner.span, range.span));
-                    }
-                    kept
-                }
-                ("choice", [_, ..]) => {
-                    let parts = parts(said)?;
-                    Some(Distribution::mixture(parts.into_iter().map(|part| (1.0, part)).collect()))
-                }
-                ("weighted", pairs @ [_, ..]) => {
-                    let pair = |pair: &Expression| weighted(pair, dimension, context, said);
-                    let parts = pairs.iter().map(pair).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()?;
-                    Some(Distribution::mixture(parts))
-                }
-                _ => {
-                    said.push(diagnostics::wrong_arity(span, name, takes, arguments.len()));
-                    None
-                }
-            }
+            called(function, arguments, expression, dimension, context, said)
         }
         _ if is_formula(expression) => quantity(expression, dimension, context, said).map(Distribution::Constant),
         _ => {
@@ -109,6 +57,65 @@ pub(super) fn distribution(
                 &Type::Distribution { dimension, min, max },
                 &describe(expression),
             ));
+            None
+        }
+    }
+}
+
+/// A call of one of [`DISTRIBUTIONS`].
+fn called(
+    function: &Name,
+    arguments: &[Expression],
+    whole: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    said: &mut Vec<Diagnostic>,
+) -> Option<Distribution> {
+    let Some((name, takes)) = DISTRIBUTIONS.iter().find(|(name, _)| *name == function.text) else {
+        let known: Vec<&str> = DISTRIBUTIONS.iter().map(|(name, _)| *name).collect();
+        said.push(diagnostics::unknown_distribution(function.span, &function.text, &known));
+        return None;
+    };
+    if parts_of(whole) > MAX_PARTS {
+        said.push(diagnostics::too_many_parts(whole.span, MAX_PARTS));
+        return None;
+    }
+    match (*name, arguments) {
+        ("uniform", [low, high]) => {
+            let (a, b) = ends(whole.span, low, high, dimension, context, said)?;
+            Some(Distribution::Uniform(a, b))
+        }
+        ("normal", [mean, deviation]) => {
+            let middle = quantity(mean, dimension, context, said);
+            let spread = quantity(deviation, dimension, context, said);
+            let (mean, spread) = (middle?, spread?);
+            within(spread, MIN_POSITIVE, MAX_MAGNITUDE, dimension, deviation.span, context, said)?;
+            let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+            Some(Distribution::Normal { mean, deviation: spread, low, high })
+        }
+        ("truncated", [inner, range]) => {
+            let untruncated = distribution(inner, dimension, context, said);
+            let ExpressionKind::Range(low, high) = &range.kind else {
+                said.push(diagnostics::not_a(range.span, "range", &describe(range)));
+                return None;
+            };
+            let (a, b) = ends(range.span, low, high, dimension, context, said)?;
+            let kept = untruncated?.truncated(a, b);
+            if kept.is_none() {
+                said.push(diagnostics::nothing_left(whole.span, inner.span, range.span));
+            }
+            kept
+        }
+        ("choice" | "weighted", [_, ..]) => {
+            let part = |part: &Expression| match *name {
+                "choice" => distribution(part, dimension, context, said).map(|part| (1.0, part)),
+                _ => weighted(part, dimension, context, said),
+            };
+            let parts = arguments.iter().map(part).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()?;
+            Some(Distribution::mixture(parts))
+        }
+        _ => {
+            said.push(diagnostics::wrong_arity(whole.span, name, takes, arguments.len()));
             None
         }
     }

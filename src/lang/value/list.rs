@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Context, unfit, value};
+use super::context::{Context, unfit};
+use super::value;
 use crate::ast::{Expression, ExpressionKind};
 use crate::diagnostics;
 use base::diagnostic::Diagnostic;

@@ -1,6 +1,6 @@
 //! Names of declarations, and words of a choice.
 
-use super::{Context, unfit};
+use super::context::{Context, unfit};
 use crate::ast::{Expression, ExpressionKind, Known};
 use crate::diagnostics;
 use crate::library;
@@ -92,15 +92,15 @@ fn named(
         return None;
     }
     let other = names.other_form(context.forms, word);
-    let known = words.iter().copied().chain(names.of_form(form));
+    let known: Vec<&str> = words.iter().copied().chain(names.of_form(form)).collect();
     diagnostics.push(if let Some(file) = library::home(form, word) {
         diagnostics::not_imported(span, form, word, file, names.another_import(word, file, context.sources))
     } else if has_kind(form, word, context) {
         diagnostics::kind_for_name(span, form, word)
     } else if let Some(other) = other {
-        diagnostics::other_form(span, form, word, other, known)
+        diagnostics::other_form(span, form, word, other, &known)
     } else {
-        diagnostics::unknown_name(span, form, word, known)
+        diagnostics::unknown_name(span, form, word, &known)
     });
     None
 }

@@ -1,7 +1,7 @@
 use std::collections::VecDeque;
 
 use super::carla_frame::{Direction, Location};
-use super::release::ReleaseTraits;
+use super::release::{Pid, ReleaseTraits};
 use road::geometry::Pose;
 
 /// Time step of the controllers (s); it does not depend on the simulation's.
@@ -13,36 +13,6 @@ const MAX_BRAKE: f64 = 0.3;
 const MAX_STEER: f64 = 0.8;
 /// Maximum change of the steer per run.
 const STEER_RATE: f64 = 0.1;
-
-/// Proportional, integral and differential gain.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pid {
-    pub proportional: f64,
-    pub integral: f64,
-    pub differential: f64,
-}
-
-/// Gains of both controllers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Gains {
-    /// For the pedals; the error is in km/h.
-    pub longitudinal: Pid,
-    /// For the wheel; the error is in radians.
-    pub lateral: Pid,
-}
-
-const fn pid(proportional: f64, integral: f64, differential: f64) -> Pid {
-    Pid { proportional, integral, differential }
-}
-
-/// Since 0.9.12.
-pub(super) const GAINS: Gains = Gains { longitudinal: pid(1.0, 0.05, 0.0), lateral: pid(1.95, 0.05, 0.2) };
-/// 0.9.11 up to 50 km/h.
-pub(super) const CITY_GAINS_0_9_11: Gains =
-    Gains { longitudinal: pid(0.15, 0.07, 0.05), lateral: pid(0.58, 0.5, 0.02) };
-/// 0.9.11 above 50 km/h.
-pub(super) const HIGHWAY_GAINS_0_9_11: Gains =
-    Gains { longitudinal: pid(0.37, 0.032, 0.024), lateral: pid(0.75, 0.4, 0.02) };
 
 /// The last errors of a controller.
 #[derive(Debug, Clone)]

@@ -1,6 +1,29 @@
-use super::controller::{CITY_GAINS_0_9_11, GAINS, Gains, HIGHWAY_GAINS_0_9_11};
 use base::choice;
 use road::LaneFilter;
+
+/// Proportional, integral and differential gain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pid {
+    pub proportional: f64,
+    pub integral: f64,
+    pub differential: f64,
+}
+
+/// Gains of both controllers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Gains {
+    /// For the pedals; the error is in km/h.
+    pub longitudinal: Pid,
+    /// For the wheel; the error is in radians.
+    pub lateral: Pid,
+}
+
+const fn pid(proportional: f64, integral: f64, differential: f64) -> Pid {
+    Pid { proportional, integral, differential }
+}
+
+/// Since 0.9.12.
+const GAINS: Gains = Gains { longitudinal: pid(1.0, 0.05, 0.0), lateral: pid(1.95, 0.05, 0.2) };
 
 choice! {
     /// The release of CARLA that the agent reproduces. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.
@@ -116,8 +139,8 @@ const V0_9_11: ReleaseTraits = ReleaseTraits {
     repeats_planner: false,
     buffered_planner: true,
     forgetful: true,
-    gains: CITY_GAINS_0_9_11,
-    fast_gains: HIGHWAY_GAINS_0_9_11,
+    gains: Gains { longitudinal: pid(0.15, 0.07, 0.05), lateral: pid(0.58, 0.5, 0.02) },
+    fast_gains: Gains { longitudinal: pid(0.37, 0.032, 0.024), lateral: pid(0.75, 0.4, 0.02) },
     step: 4.5,
     ..V0_9_12
 };

@@ -3,8 +3,7 @@ use std::path::Path;
 use lsp_types::{CompletionItem, CompletionItemKind, Documentation, InsertTextFormat};
 
 use super::cursor::{Cursor, Place};
-use super::hover::referred;
-use super::visible::{Visible, dimension as measured, fits};
+use super::visible::{Visible, dimension as measured, fits, referred};
 use super::workspace::beside;
 use base::signature::{Param, Signature, Type};
 use base::units::{Dimension, UNIT_NAMES};

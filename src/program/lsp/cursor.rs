@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::hover::referred;
-use super::visible::dimension as measured;
+use super::visible::{dimension as measured, referred};
 use base::signature::{Param, Signature, Type};
 use base::units::Dimension;
 use compile::Catalog;

@@ -2,7 +2,7 @@ use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
 use super::cursor::{Cursor, Place};
 use super::references::own_name;
-use super::visible::Visible;
+use super::visible::{Visible, referred};
 use base::signature::Type;
 use compile::{Catalog, block, key};
 use lang::ast;
@@ -65,15 +65,6 @@ fn speaks(ty: &Type) -> bool {
         Type::Condition(_) | Type::Formula(_) | Type::Requirement(_) => true,
         Type::List(item) => speaks(item),
         _ => false,
-    }
-}
-
-/// The form that a key's values name.
-pub fn referred(ty: &Type) -> Option<&'static str> {
-    match ty {
-        Type::Reference(form) | Type::WordOrReference(_, form) => Some(form),
-        Type::List(item) => referred(item),
-        _ => None,
     }
 }
 

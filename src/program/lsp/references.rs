@@ -3,14 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::cursor::{Cursor, places};
+use super::cursor::{Cursor, Place, places};
 use super::documents::Documents;
-use super::navigate::target;
-use super::visible::Visible;
+use super::visible::{Visible, referred};
 use super::workspace::{MAX_FILES, Scenarios, scenarios};
 use base::diagnostic::{Severity, Sources, Span};
 use compile::{Catalog, compile};
-use lang::tokens::{TokenKind, tokens};
+use lang::tokens::{TokenKind, is_word, tokens};
 use lang::{Loaded, ast, library, normal};
 
 /// A name with its places in all files that see it.
@@ -37,6 +36,46 @@ pub fn declared_names(file: &ast::File) -> impl Iterator<Item = (&ast::Name, Opt
 pub fn own_name(file: &ast::File, byte: usize) -> Option<Span> {
     let mut own = declared_names(file).map(|(name, _)| name.span);
     own.find(|span| (span.start..=span.end).contains(&byte))
+}
+
+/// The name in the declaration that the word at a byte refers to, or the start of the file that an import names.
+pub fn target(cursor: &Cursor, byte: usize, loaded: &Loaded, sources: &Sources) -> Option<Span> {
+    let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
+    let import = root.imports.iter().find(|import| (import.span.start..=import.span.end).contains(&byte));
+    let visible = Visible { loaded, sources };
+    let word = cursor.word;
+    let declared = |form: Option<&str>| Some(visible.declaration(form, word)?.name.as_ref()?.span);
+    let param = || Some(visible.param(word)?.name.span);
+    match (import, cursor.place) {
+        (Some(import), _) => Some(Span { source: import.source?, start: 0, end: 0 }),
+        (None, Place::Formula | Place::EventWord(_)) if is_of_requirement(&sources.get(root.source).text, byte) => {
+            declared(Some("requirement")).or_else(param)
+        }
+        (None, Place::Value(wanted)) => match referred(&wanted.ty) {
+            Some(form) => declared(Some(form)).or_else(param),
+            None => param(),
+        },
+        (None, Place::Imported(_)) => {
+            // The file may have a name of its own that is the same.
+            let at_byte = |name: &ast::Name| (name.span.start..=name.span.end).contains(&byte);
+            let source =
+                root.imports.iter().find(|import| import.names.iter().any(at_byte)).and_then(|import| import.source);
+            let file = loaded.files.iter().find(|file| Some(file.source) == source);
+            let mut names = file.into_iter().flat_map(declared_names).map(|(name, _)| name);
+            names.find(|name| name.text == word).map(|name| name.span).or_else(|| declared(None)).or_else(param)
+        }
+        (None, Place::ParamValue { .. } | Place::AxisValue(_)) => declared(None).or_else(param),
+        (None, Place::Formula | Place::Param | Place::Axis) => param(),
+        _ => None,
+    }
+}
+
+/// Whether the word at a byte is in the parentheses of `violated` or `robustness`.
+fn is_of_requirement(text: &str, byte: usize) -> bool {
+    let before = text[..byte].trim_end_matches(|last: char| last.is_ascii() && is_word(last as u8));
+    let owner = before.trim_end().strip_suffix('(').map(str::trim_end);
+    let owner = owner.and_then(|owner| owner.rsplit(|last: char| !last.is_ascii() || !is_word(last as u8)).next());
+    matches!(owner, Some("violated" | "robustness"))
 }
 
 /// The place of the name in its declaration, for a word of a file: the declaration itself, or what refers to it.

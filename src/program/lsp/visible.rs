@@ -8,6 +8,15 @@ use base::signature::Type;
 use base::units::Dimension;
 use lang::{DIMENSIONS, Loaded, ast};
 
+/// The form that a key's values name.
+pub fn referred(ty: &Type) -> Option<&'static str> {
+    match ty {
+        Type::Reference(form) | Type::WordOrReference(_, form) => Some(form),
+        Type::List(item) => referred(item),
+        _ => None,
+    }
+}
+
 /// A file with all that it imports.
 #[derive(Clone, Copy)]
 pub struct Visible<'a> {

@@ -1,10 +1,18 @@
 use std::path::PathBuf;
 
-use super::OverviewFiles;
 use compile::SearchKey;
 use results::campaign::Shard;
 use results::report::{Doubt, DriverResult, Gate, Judged, Manifest, Section};
 use results::tables::{Cells, Rows};
+
+/// The overview of the reports of a call: the variants of a matrix, the campaigns of several files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OverviewFiles {
+    /// Its page. The table `overview.csv` is beside it.
+    pub page: PathBuf,
+    /// Its table for a terminal.
+    pub text: String,
+}
 
 /// The result of a run of campaigns.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use super::{CampaignOutcome, Session, ShardReport};
+use super::{CampaignOutcome, ShardReport};
 use base::diagnostic::{Diagnostic, Sources};
 use compile::Campaign;
 use results::campaign::{self, Task};
@@ -8,7 +8,7 @@ use results::report::{Caution, Doubt};
 
 /// What happens during a call of a session.
 pub enum Event<'a> {
-    /// The files were checked, with these diagnostics. [`Session::check`] does not report this when all files could be read: its result
+    /// The files were checked, with these diagnostics. [`Session::check`](super::Session::check) does not report this when all files could be read: its result
     /// has the diagnostics.
     Diagnostics(&'a [Diagnostic], &'a Sources),
     /// A fact that does not end the call.
@@ -54,18 +54,6 @@ pub struct Silent;
 
 impl Observer for Silent {
     fn event(&self, _: &Event<'_>) {}
-}
-
-impl Session {
-    /// Passes an event to the observer.
-    pub(crate) fn tell(&self, event: Event<'_>) {
-        self.observer.event(&event);
-    }
-
-    /// Passes a notice to the observer.
-    pub(crate) fn notice(&self, notice: &Notice) {
-        self.tell(Event::Notice(notice));
-    }
 }
 
 /// A fact that does not end a call.

@@ -32,7 +32,7 @@ mod reasons;
 pub use crate::commands::{
     FailuresArgs, FoundFailure, Replay, ReplayAllOptions, ReplayOptions, ReplayedReport, Retrained,
 };
-pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
+pub use campaign_report::{CampaignOutcome, CampaignReport, OverviewFiles, RunReport, ShardReport};
 pub(crate) use causes::Causes;
 pub use changed_program::ChangedProgram;
 pub use check::{Checked, Planned};
@@ -46,7 +46,6 @@ pub use input::Input;
 pub(crate) use options::seconds;
 pub use options::{RunOptions, TableFormat};
 pub use other_report::{OtherInput, OtherReport};
-pub use overview::OverviewFiles;
 pub use reasons::{Reason, reasons};
 pub use repeat::Repeated;
 pub(crate) use run::{CampaignRun, Work, pool};

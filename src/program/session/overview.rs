@@ -1,19 +1,8 @@
-use std::path::PathBuf;
-
-use super::{CampaignReport, Error, RunOptions, RunReport};
+use super::{CampaignReport, Error, OverviewFiles, RunOptions, RunReport};
 use results::report::{self, Overview, Variant, WriteError};
 
 /// The stem of the files of an overview.
 const OVERVIEW: &str = "overview";
-
-/// The overview of the reports of a call: the variants of a matrix, the campaigns of several files.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OverviewFiles {
-    /// Its page. The table `overview.csv` is beside it.
-    pub page: PathBuf,
-    /// Its table for a terminal.
-    pub text: String,
-}
 
 /// Writes the overview of a call with several reports; `None` for a single report.
 pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Option<OverviewFiles>, Error> {

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{Disk, Observer, Silent, Stop};
+use super::{Disk, Event, Notice, Observer, Silent, Stop};
 use compile::Catalog;
 use lang::Reader;
 
@@ -57,5 +57,15 @@ impl Session {
     /// Whether the user asked to stop.
     pub fn is_stopped(&self) -> bool {
         self.stop.is_asked()
+    }
+
+    /// Passes an event to the observer.
+    pub(crate) fn tell(&self, event: Event<'_>) {
+        self.observer.event(&event);
+    }
+
+    /// Passes a notice to the observer.
+    pub(crate) fn notice(&self, notice: &Notice) {
+        self.tell(Event::Notice(notice));
     }
 }

@@ -7,7 +7,6 @@ use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use tempfile::TempDir;
 
-use super::held_programs::PROGRAMS;
 use super::parquet::write_parquet;
 use super::scenario_files::SCENARIO;
 use super::staging::staging_file;
@@ -19,6 +18,8 @@ use base::files;
 
 /// The file whose presence marks a folder as a finished report.
 pub(super) const MARK: &str = "manifest.toml";
+/// The folder of a report with a folder for each program.
+pub(super) const PROGRAMS: &str = "programs";
 /// The dossier of a report that has one.
 pub const DOSSIER: &str = "dossier.html";
 /// The folder of the figures, as SVG.

@@ -5,12 +5,10 @@ use std::{fs, io};
 
 use tempfile::TempDir;
 
+use super::folder::PROGRAMS;
 use super::{FileRecord, MAX_HELD_BYTES, ProgramRecord, ReportFolder, StoredReport, WriteError};
 use compile::ExternalProgram;
 use world::av::external::Program;
-
-/// The folder of a report with a folder for each program.
-pub(super) const PROGRAMS: &str = "programs";
 
 /// Maximum number of folders above that of the scenario in which declared files may lie.
 const MAX_ABOVE: usize = 8;

@@ -1,25 +1,9 @@
-use super::TownDesign;
 use super::layout::Layout;
 use super::network::Network;
 use super::surface::{Surfaces, Tile};
+use super::town_design::{BuildingRow, TownDesign};
 use crate::Road;
 use crate::geometry::{OrientedBox, Pose, Vector};
-use base::keys;
-
-keys! {
-    /// Houses along both sides of all straight streets.
-    #[derive(Copy)]
-    pub struct BuildingRow = "row_houses" {
-        /// Distance of the fronts from the sidewalk.
-        setback: f64 as within(LENGTH, 0.0, 1000.0) = "1 m",
-        /// Extent away from the street.
-        depth: f64 as within(LENGTH, 1.0, 1000.0) = "10 m",
-        /// Extent along the street.
-        length: f64 as within(LENGTH, 3.0, 1000.0) = "16 m",
-        /// Distance between two houses.
-        gap: f64 as within(LENGTH, 0.0, 1000.0) = "4 m",
-    }
-}
 
 /// Adds the houses that stand on no road and in no building.
 pub(super) fn add(

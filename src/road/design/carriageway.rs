@@ -1,5 +1,22 @@
-use super::StreetProfile;
 use crate::RoadEnd;
+
+/// The widths of a street's parts: driving lanes, and on either side of them a shoulder and a sidewalk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StreetProfile {
+    /// Width of a driving lane (m).
+    pub lane_width: f64,
+    /// Width of a shoulder (m).
+    pub shoulder: f64,
+    /// Width of a sidewalk (m).
+    pub sidewalk: f64,
+}
+
+impl Default for StreetProfile {
+    /// The cross-section of the streets in CARLA's Town01 and Town02.
+    fn default() -> Self {
+        Self { lane_width: 4.0, shoulder: 0.3, sidewalk: 4.0 }
+    }
+}
 
 /// The driving lanes of a street, by direction. Traffic keeps to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

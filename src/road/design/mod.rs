@@ -5,8 +5,8 @@
 //! of a lane through it. All reference lines run along the middle of the street. The reference line of a connecting road is tangent to the
 //! middles of both streets; its lane offset leads from the left edge of the lane before it to that of the lane after it.
 
-mod town_design;
 mod carriageway;
+mod town_design;
 mod error;
 mod fast_bend;
 mod layout;
@@ -16,9 +16,9 @@ mod network;
 mod surface;
 mod lights_and_signs;
 mod building_row;
+mod built;
 
-pub use building_row::BuildingRow;
-pub use carriageway::Carriageway;
+pub use carriageway::{Carriageway, StreetProfile};
 pub use error::DesignError;
 pub use fast_bend::FastBend;
-pub use town_design::{Node, Street, StreetProfile, TownDesign};
+pub use town_design::{BuildingRow, Node, Street, TownDesign};

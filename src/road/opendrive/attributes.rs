@@ -11,8 +11,16 @@ const MAX_NUMBER: f64 = 1e9;
 /// Maximum number of warnings that are stored.
 const MAX_WARNINGS: usize = 10_000;
 
+/// Lengths and places may differ by this much, as they are rounded (m).
+pub(super) const ROUNDED: f64 = 0.1;
+
 /// The number of bytes after which line ends are counted anew.
 const BLOCK: usize = 1 << 12;
+
+/// A length to the centimetre, without zeros at its end.
+pub(super) fn metres(length: f64) -> String {
+    ((length * 100.0).round() / 100.0).to_string()
+}
 
 fn line_ends(bytes: &[u8]) -> u32 {
     bytes.iter().filter(|byte| **byte == b'\n').count() as u32

@@ -2,8 +2,9 @@ use roxmltree::Node;
 
 use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
+use super::placed::{Placed, placed};
 use super::roads::Roads;
-use super::signals::{BESIDE, Placed, placed};
+use super::signals::BESIDE;
 use super::unused::is_crosswalk;
 use crate::geometry::{Point, Pose, Vector, polygon};
 use crate::lane_index::{LaneIndex, Lanes};

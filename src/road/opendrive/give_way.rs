@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::attributes::{Context, child};
+use super::placed::driving_lanes;
 use super::roads::Roads;
-use super::signals::{Signal, driving_lanes};
+use super::signals::Signal;
 use super::traffic_lights::before_junction;
 use crate::geometry::wrap_angle;
 use crate::lane_network::{LaneNetwork, LaneSlot};

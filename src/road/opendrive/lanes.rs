@@ -1,8 +1,7 @@
 use roxmltree::Node;
 
-use super::attributes::{Context, Counted, child, children};
+use super::attributes::{Context, Counted, ROUNDED, child, children, metres};
 use super::limits::{self, Limits};
-use super::roads::{ROUNDED, metres};
 use super::{OpenDriveError, OpenDriveProblem};
 use crate::{Cubic, Lane, LaneId, LaneKind, LaneSection, Profile};
 
@@ -67,31 +66,7 @@ fn with_length(context: &mut Context, node: Node, sections: Vec<LaneSection>) ->
 }
 
 fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &Limits) -> LaneSection {
-    let mut found: Vec<(LaneId, Node)> = Vec::new();
-    let sides =
-        ["left", "center", "right"].into_iter().flat_map(|side| children(node, side).map(move |node| (side, node)));
-    for (side, lane) in sides.flat_map(|(side, node)| children(node, "lane").map(move |lane| (side, lane))) {
-        let id = context.whole(lane, "id");
-        match id.filter(|id| id.unsigned_abs() <= MAX_ID) {
-            None => match (lane.attribute("id"), id) {
-                (Some(text), Some(_)) => context.bad(lane, "id", text),
-                (Some(_), None) => {}
-                (None, _) => context
-                    .warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" }),
-            },
-            Some(id) if found.iter().any(|(other, _)| *other == id) => {
-                context.warn(lane, OpenDriveProblem::Duplicate { element: "lane", id: id.to_string() });
-            }
-            Some(id) => {
-                if side != ["right", "center", "left"][(id.signum() + 1) as usize] {
-                    context.warn(lane, OpenDriveProblem::OtherSide { lane: id, side });
-                }
-                found.push((id, lane));
-            }
-        }
-    }
-    // Borders need the lanes nearer to the middle, so each side is read from the middle outwards.
-    found.sort_by_key(|(id, _)| id.unsigned_abs());
+    let found = numbered(context, node);
     let mut edges = [Profile::constant(0.0), Profile::constant(0.0)];
     let mut lanes: Vec<Lane> = Vec::with_capacity(found.len());
     let mut inner = [0; 2];
@@ -128,6 +103,35 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
     }
     lanes.sort_by_key(|lane| std::cmp::Reverse(lane.id));
     LaneSection { start, end, lanes }
+}
+
+/// The lanes of a section with their numbers, from the middle outwards: borders need the lanes nearer to it.
+fn numbered<'a, 'x>(context: &mut Context, section: Node<'a, 'x>) -> Vec<(LaneId, Node<'a, 'x>)> {
+    let mut found: Vec<(LaneId, Node)> = Vec::new();
+    let sides =
+        ["left", "center", "right"].into_iter().flat_map(|side| children(section, side).map(move |node| (side, node)));
+    for (side, lane) in sides.flat_map(|(side, node)| children(node, "lane").map(move |lane| (side, lane))) {
+        let id = context.whole(lane, "id");
+        match id.filter(|id| id.unsigned_abs() <= MAX_ID) {
+            None => match (lane.attribute("id"), id) {
+                (Some(text), Some(_)) => context.bad(lane, "id", text),
+                (Some(_), None) => {}
+                (None, _) => context
+                    .warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" }),
+            },
+            Some(id) if found.iter().any(|(other, _)| *other == id) => {
+                context.warn(lane, OpenDriveProblem::Duplicate { element: "lane", id: id.to_string() });
+            }
+            Some(id) => {
+                if side != ["right", "center", "left"][(id.signum() + 1) as usize] {
+                    context.warn(lane, OpenDriveProblem::OtherSide { lane: id, side });
+                }
+                found.push((id, lane));
+            }
+        }
+    }
+    found.sort_by_key(|(id, _)| id.unsigned_abs());
+    found
 }
 
 /// The use of a lane. One for driving against the direction of its side, or in both (`direction`, since 1.8), has no cars here; one that denies cars is reserved for others; CARLA's maps are read without such rules, as in CARLA.

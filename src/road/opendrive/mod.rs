@@ -7,24 +7,24 @@
 //! What the standard has no place for is in `userData` elements, which `export` writes: which objects are obstacles, and the exact place where
 //! a speed sign takes effect.
 
-mod error;
 mod attributes;
 mod budget;
 mod plan_view;
+mod limits;
 mod lanes;
 mod roads;
 mod junctions;
+mod placed;
+mod obstacles;
 mod signals;
 mod crosswalks;
-mod obstacles;
 mod traffic_lights;
-mod limits;
 mod give_way;
 mod unused;
 mod file;
 mod insertion;
 
-pub use error::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
+pub use super::opendrive_error::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use file::read;
 pub use insertion::{Addition, insert};
 pub use limits::add_speed_sign;

@@ -3,8 +3,8 @@
 use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
+use super::placed::placed;
 use super::roads::Roads;
-use super::signals::placed;
 use crate::geometry::{OrientedBox, Pose, Vector};
 use crate::lane_network::LaneNetwork;
 

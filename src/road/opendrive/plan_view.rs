@@ -3,9 +3,8 @@ use std::f64::consts::TAU;
 use roxmltree::Node;
 
 use super::OpenDriveProblem;
-use super::attributes::{Context, child, children};
+use super::attributes::{Context, child, children, metres};
 use super::budget::MAX_LENGTH;
-use super::roads::metres;
 use crate::geometry::Pose;
 use crate::{Geometry, PlanView, Shape};
 

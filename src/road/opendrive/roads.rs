@@ -2,16 +2,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use super::attributes::{Context, child, children};
+use super::attributes::{Context, ROUNDED, child, children, metres};
 use super::budget::MAX_LENGTH;
 use super::{OpenDriveProblem, lanes, limits, plan_view};
 use crate::geometry::wrap_angle;
 use crate::{
     Cubic, Geometry, JunctionIndex, Lane, LaneKind, LaneSection, PlanView, Profile, Road, RoadEnd, RoadIndex, RoadLink,
 };
-
-/// Lengths and places may differ by this much, as they are rounded (m).
-pub(super) const ROUNDED: f64 = 0.1;
 
 /// A reference line that turns by more (rad) between two geometries has a kink: polylines of bends turn by less.
 const KINK: f64 = 0.5;
@@ -207,11 +204,6 @@ fn cut(sections: Vec<LaneSection>, (from, to): (f64, f64)) -> Vec<LaneSection> {
         sections.into_iter().filter(|section| section.end > section.start)
     };
     sections.into_iter().flat_map(parts).collect()
-}
-
-/// A length to the centimetre, without zeros at its end.
-pub(super) fn metres(length: f64) -> String {
-    ((length * 100.0).round() / 100.0).to_string()
 }
 
 /// Reads the height of a road; empty if it is level at 0.

@@ -1,3 +1,5 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
 use super::client_location::ClientLocation;
 use super::graph::RouteGraph;
 use super::search::find_way;
@@ -15,6 +17,20 @@ pub struct RoutePlanner {
     sampling: f64,
     graph: RouteGraph,
     destinations: Vec<Waypoint>,
+}
+
+impl Town {
+    /// The planner of routes with a point every `sampling` (m), built on the first call.
+    pub fn route_planner(&self, sampling: f64) -> Arc<RoutePlanner> {
+        let planners = self.derived(|_| Mutex::new(Vec::<Arc<RoutePlanner>>::new()));
+        let mut planners = planners.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(planner) = planners.iter().find(|planner| planner.sampling() == sampling) {
+            return Arc::clone(planner);
+        }
+        let planner = Arc::new(RoutePlanner::new(self, sampling));
+        planners.push(Arc::clone(&planner));
+        planner
+    }
 }
 
 impl RoutePlanner {

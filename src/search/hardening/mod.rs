@@ -9,15 +9,17 @@
 //! private module `repair`, and meet the same attacks and tests.
 
 mod traffic_rule;
-mod repair;
-mod rounds;
-mod tested;
 mod tunable;
+mod plan;
+mod repair;
+mod tested;
+mod rounds;
 
 #[cfg(test)]
 mod tests;
 
-pub use rounds::{Attack, Hardened, Hardening, Round, harden};
+pub use plan::{Attack, Hardening};
+pub use rounds::{Hardened, Round, harden};
 pub use tested::Tested;
 pub use traffic_rule::TrafficRule;
 pub use tunable::{Side, Tunable, TunableKey};

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::rounds::Hardening;
+use super::plan::Hardening;
 use crate::likelihood::latin_hypercube;
 use crate::optimizer::{CmaEs, Optimizer};
 use base::seed::Seed;

@@ -1,51 +1,14 @@
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
+use super::plan::Hardening;
 use super::repair::{Kept, Lessons, Repaired, repair};
-use super::tested::{Tested, test};
-use super::traffic_rule::TrafficRule;
-use super::tunable::Tunable;
-use crate::{BudgetedSimulation, Failure, Falsifier, TrainError};
+use super::tested::{Tested, faults, test};
+use crate::{BudgetedSimulation, Failure, TrainError};
 use base::seed::Seed;
-use episode::walker::Controller;
-use episode::{Criterion, Outcome, Scenario, Trace, follow};
 use verdict::Traffic;
-use verdict::{Blame, Judged};
 
 /// Most failures that a search leaves for repairs, each from another start, evenly from all of them.
 const MAX_KEPT: usize = 60;
-
-/// A falsifier with its name, and the scenario of each town with its reward.
-pub type Attack = (String, Arc<dyn Falsifier>, Vec<Arc<Scenario>>);
-
-#[derive(Debug, Clone)]
-pub struct Hardening {
-    pub driver: Tunable,
-    /// The towns of the rounds, with their names.
-    pub towns: Vec<(String, Arc<Scenario>)>,
-    /// Who attacks; their scenarios are in the order of `towns`.
-    pub attacks: Vec<Attack>,
-    /// Ticks of each search of a round.
-    pub budget: u64,
-    pub rounds: u32,
-    /// Values of the keys that a round tries out.
-    pub candidates: u32,
-    /// Episodes with each pedestrian that a search ended up with, for each candidate.
-    pub lessons: u32,
-    /// Natural encounters in each town, for each candidate.
-    pub traffic: u32,
-    pub natural: Controller,
-    pub rule: TrafficRule,
-    pub test_towns: Vec<(String, Arc<Scenario>)>,
-    /// Who walks in the test.
-    pub walkers: Vec<Controller>,
-    /// Who searches in the test; their scenarios are in the order of `test_towns`.
-    pub rivals: Vec<Attack>,
-    /// Episodes of the test, for each town and pedestrian.
-    pub episodes: u32,
-}
 
 /// A round of attack and repair.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -144,25 +107,6 @@ pub fn harden(
     }
     let Some((tests, traffic)) = test(plan, &now, &seed.child("test"), stop)? else { return Ok(None) };
     Ok(Some(Hardened { rounds, values: now, tests, traffic, ticks }))
-}
-
-/// The first fault of each start.
-pub(super) fn faults<'a>(scenario: &Arc<Scenario>, seed: Seed, failures: &'a [Failure]) -> Vec<&'a Failure> {
-    let mut found: BTreeMap<u64, &Failure> = BTreeMap::new();
-    for failure in failures.iter().filter(|failure| failure.outcome.is_collision()) {
-        if found.contains_key(&failure.start) {
-            continue;
-        }
-        let met = follow(scenario, seed, failure.start, &failure.commands);
-        let is_fault = |(outcome, trace): (Outcome, Trace)| {
-            Judged::by(Criterion::Collision, &outcome, &trace.main_pair(scenario))
-                .is(Criterion::Collision, Blame::Fault)
-        };
-        if met.is_some_and(is_fault) {
-            found.insert(failure.start, failure);
-        }
-    }
-    found.into_values().collect()
 }
 
 fn evenly(all: Vec<&Failure>) -> impl Iterator<Item = &Failure> {

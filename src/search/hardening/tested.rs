@@ -1,13 +1,13 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::rounds::{Hardening, faults};
-use crate::{BudgetedSimulation, Falsifier, SearchOutcome, TrainError};
+use super::plan::Hardening;
+use crate::{BudgetedSimulation, Failure, Falsifier, SearchOutcome, TrainError};
 use base::seed::Seed;
-use episode::Scenario;
-use verdict::{Drive, Traffic, drives};
+use episode::{Criterion, Outcome, Scenario, Trace, follow};
+use verdict::{Blame, Drive, Judged, Traffic, drives};
 
 /// The driver before and after at the same starts, which no round has used.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -111,4 +111,23 @@ fn pairs(town: &str, attacker: &str, before: &[Drive], after: &[Drive]) -> Teste
         new: count(|one, other| other.fault && !one.fault),
         errors: before.iter().chain(after).filter(|drive| drive.error).count() as u64,
     }
+}
+
+/// The first fault of each start.
+pub(super) fn faults<'a>(scenario: &Arc<Scenario>, seed: Seed, failures: &'a [Failure]) -> Vec<&'a Failure> {
+    let mut found: BTreeMap<u64, &Failure> = BTreeMap::new();
+    for failure in failures.iter().filter(|failure| failure.outcome.is_collision()) {
+        if found.contains_key(&failure.start) {
+            continue;
+        }
+        let met = follow(scenario, seed, failure.start, &failure.commands);
+        let is_fault = |(outcome, trace): (Outcome, Trace)| {
+            Judged::by(Criterion::Collision, &outcome, &trace.main_pair(scenario))
+                .is(Criterion::Collision, Blame::Fault)
+        };
+        if met.is_some_and(is_fault) {
+            found.insert(failure.start, failure);
+        }
+    }
+    found.into_values().collect()
 }

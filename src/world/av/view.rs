@@ -87,6 +87,18 @@ pub struct View {
 }
 
 impl View {
+    /// The next light as numbers: its colour, and the distance of its line (m); zeros without one.
+    pub fn light_numbers(&self) -> (f64, f64) {
+        self.light.map_or((0.0, 0.0), |light| {
+            let colour = match light.colour {
+                LightColour::Green => 1.0,
+                LightColour::Yellow => 2.0,
+                LightColour::Red => 3.0,
+            };
+            (colour, light.distance)
+        })
+    }
+
     /// Updates the view, with at most this number of actors and of points of the route.
     pub fn look(&mut self, perception: &Perception<'_>, path: &Path, actors: usize, points: usize) {
         let ego = &perception.ego;

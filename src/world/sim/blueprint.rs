@@ -1,4 +1,18 @@
-use super::Control;
+/// Positions of the pedals and the steering wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Control {
+    /// Accelerator, 0 to 1.
+    pub throttle: f64,
+    /// Brake, 0 to 1.
+    pub brake: f64,
+    /// Steering wheel, −1 to 1, positive to the left (CARLA's is positive to the right).
+    pub steer: f64,
+}
+
+impl Control {
+    /// Full stop with straight wheels.
+    pub const FULL_BRAKE: Self = Self { throttle: 0.0, brake: 1.0, steer: 0.0 };
+}
 
 /// Acceleration at one throttle: `at_rest + slope · v`.
 #[derive(Debug, Clone, Copy, PartialEq)]

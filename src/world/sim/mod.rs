@@ -3,8 +3,8 @@
 //! A tick is *observe, choose, propagate*: drivers and pedestrians read the [`World`], and [`World::tick`] moves every vehicle by
 //! a [`Control`] and every pedestrian by a [`WalkCommand`] and reports the first [`Contact`].
 
-mod vehicle;
 mod blueprint;
+mod vehicle;
 mod pedestrian;
 mod traffic_light;
 mod actor;
@@ -13,10 +13,10 @@ mod contact;
 mod world;
 
 pub use actor::{ActorId, Pedestrian, Vehicle};
-pub use blueprint::{ThrottleLine, VehicleBlueprint};
+pub use blueprint::{Control, ThrottleLine, VehicleBlueprint};
 pub use contact::Contact;
 pub use pedestrian::{Gait, PedestrianBody, PedestrianState, WalkCommand};
 pub use start::{ActorStart, Start};
 pub use traffic_light::{LightClock, LightColour, LightCycle};
-pub use vehicle::{Control, EYE, VehicleState, advance};
+pub use vehicle::{EYE, VehicleState, advance};
 pub use world::{World, time_of};

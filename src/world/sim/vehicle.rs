@@ -1,27 +1,11 @@
 use std::f64::consts::PI;
 
-use super::VehicleBlueprint;
+use super::{Control, VehicleBlueprint};
 use road::Place;
 use road::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
 
 /// From the bumper back to the driver's eye, which is on the axis (m).
 pub const EYE: f64 = 1.9;
-
-/// Positions of the pedals and the steering wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Control {
-    /// Accelerator, 0 to 1.
-    pub throttle: f64,
-    /// Brake, 0 to 1.
-    pub brake: f64,
-    /// Steering wheel, −1 to 1, positive to the left (CARLA's is positive to the right).
-    pub steer: f64,
-}
-
-impl Control {
-    /// Full stop with straight wheels.
-    pub const FULL_BRAKE: Self = Self { throttle: 0.0, brake: 1.0, steer: 0.0 };
-}
 
 /// Position and speed of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

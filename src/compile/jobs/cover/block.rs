@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::Cover;
+use super::{COLLISION, Cover, FAULT};
 use crate::Job;
 use crate::campaign::{PlaceKeys, StartKeys};
 use crate::grid::{Grid, Nested, Usual, of_places};
@@ -16,9 +16,6 @@ use verdict::Blame;
 
 /// Maximum number of parameters of a box: with more, no number of episodes shows where it fails.
 const MAX_PARAMETERS: usize = 6;
-/// The words of what it counts.
-pub(super) const FAULT: &str = "fault";
-pub(super) const COLLISION: &str = "collision";
 
 keys! {
     /// Shows with 95 % confidence how little of a box of starts can fail where its picture says that they pass. The box are the ranges of the spawn

@@ -2,13 +2,16 @@ mod block;
 
 use std::sync::Arc;
 
-use super::{Job, Origin, Planned};
+use super::{Origin, Planned};
 use base::seed::Seed;
 pub(super) use block::BLOCK;
-use block::{COLLISION, FAULT};
 use episode::walker::Controller;
 use episode::{Criterion, Scenario};
 use verdict::Blame;
+
+/// The words of what it counts.
+const FAULT: &str = "fault";
+const COLLISION: &str = "collision";
 
 /// One box of starts of one policy in one town.
 #[derive(Debug, Clone)]
@@ -77,7 +80,7 @@ impl Planned for Cover {
         self.budget = self.budget.min(30);
     }
 
-    fn names(&self, _: &[Job]) -> Vec<String> {
+    fn names(&self, _: Option<&dyn Planned>) -> Vec<String> {
         let Self { origin: Origin { block, fingerprint, .. }, pedestrian, town, policy, epsilon, budget, .. } = self;
         let (failure, epsilon) = (self.failure_name(), format!("{epsilon:?}"));
         let all: [&dyn ToString; 9] =

@@ -1,11 +1,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::{ControllerKind, Evaluation, STOCHASTIC, TRAINED, UNTRAINED};
+use super::{ControllerKind, Evaluation};
 use crate::campaign::{PlaceKeys, StartKeys};
 use crate::grid::{Grid, Nested, of_places};
 use crate::jobs::{JobBlock, NO_REWARD, Origin, Training, TrainingKey};
 use crate::lowering::Lowering;
+use crate::walker::{STOCHASTIC, TRAINED, UNTRAINED};
 use crate::{Campaign, Job};
 use base::diagnostic::Diagnostic;
 use base::keys;

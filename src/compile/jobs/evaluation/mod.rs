@@ -1,9 +1,11 @@
 mod block;
 
+use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Job, NO_REWARD, Origin, Planned, Training, TrainingKey};
+use super::{NO_REWARD, Origin, Planned, Training, TrainingKey};
+use crate::walker::{STOCHASTIC, TRAINED, UNTRAINED};
 use base::seed::Seed;
 pub(super) use block::BLOCK;
 use episode::Scenario;
@@ -11,12 +13,6 @@ use episode::walker::Controller;
 
 /// Number of episodes of an evaluation in one task.
 pub const CHUNK: u32 = 10_000;
-
-/// The words of trained pedestrians.
-pub(crate) const TRAINED: &str = "trained";
-pub(crate) const STOCHASTIC: &str = "stochastic";
-/// The word of the networks with which trainings begin.
-pub const UNTRAINED: &str = "untrained";
 
 /// The controller of the pedestrian of an evaluation.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -128,12 +124,12 @@ impl Planned for Evaluation {
         self.episodes = self.episodes.min(5);
     }
 
-    fn names(&self, jobs: &[Job]) -> Vec<String> {
+    fn names(&self, needed: Option<&dyn Planned>) -> Vec<String> {
         let TrainingKey { reward, town, policy, run } = &*self.trained;
-        let (controller, Origin { block, fingerprint, needs, .. }) = (self.controller.name(), &self.origin);
+        let (controller, Origin { block, fingerprint, .. }) = (self.controller.name(), &self.origin);
         let own = [block as &dyn ToString, &controller, reward, town, policy, run];
         let place = [&self.town as &dyn ToString, &self.policy, &self.vehicle, &self.adversary, fingerprint];
-        let training = needs.and_then(|place| jobs[place].of::<Training>()).or(self.first.as_deref());
+        let training = needed.and_then(|job| (job as &dyn Any).downcast_ref::<Training>()).or(self.first.as_deref());
         // A smoke run takes fewer steps than the files say.
         let training =
             training.map(|training| [training.origin.fingerprint.to_string(), training.config.steps.to_string()]);

@@ -86,15 +86,11 @@ impl Lowering<'_> {
             return;
         };
         if ground.spawn.value.scripted().is_some() {
-            let message =
-                "a target walks as its test states, so nothing can attack a driver from these starts".to_string();
-            return self.said.push(diagnostics::contradiction(block.head, message).help("use a `spawn` with ranges"));
+            return self.said.push(diagnostics::scripted_attack(block.head));
         }
         if let Some(again) = keys.test_towns.iter().position(|town| keys.towns.contains(town)) {
             let span = block.members("test_towns").get(again).copied().unwrap_or(block.head);
-            let message =
-                "the driver is repaired in this town, so a test in it shows less than it seems to".to_string();
-            self.said.push(diagnostics::contradiction(span, message).help("name a town that is not among `towns`"));
+            self.said.push(diagnostics::test_of_repair(span));
         }
         let attacks = self.falsifiers(at, &keys.methods, &body, &grid.usual);
         let rivals = self.falsifiers(at, keys.rivals.as_deref().unwrap_or_default(), &body, &grid.usual);
@@ -211,7 +207,7 @@ impl Lowering<'_> {
             varied: varied.clone(),
         };
         let arguments = policy.block.arguments.clone();
-        let pairs = policy::signature(policy, self.catalog).map_or(&[][..], |signature| &signature.rising);
+        let pairs = self.catalog.signature_of(policy).map_or(&[][..], |signature| &signature.rising);
         let side = |key: &str| match varied.iter().position(|each| each.is_key(key)) {
             Some(place) => Side::Varied(place),
             None => Side::Fixed(arguments.read(key)),
@@ -225,7 +221,7 @@ impl Lowering<'_> {
 }
 
 fn dimension(policy: &Declaration, key: &str, catalog: &Catalog) -> Option<Dimension> {
-    let signature = policy::signature(policy, catalog)?;
+    let signature = catalog.signature_of(policy)?;
     signature.params.iter().find(|param| param.name == key).and_then(|param| Type::dimension(&param.ty))
 }
 

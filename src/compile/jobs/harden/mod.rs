@@ -3,7 +3,7 @@ mod written;
 
 use std::sync::Arc;
 
-use super::{Job, Origin, Planned};
+use super::{Origin, Planned};
 use base::seed::Seed;
 pub(super) use block::BLOCK;
 use episode::Scenario;
@@ -83,7 +83,7 @@ impl Planned for Harden {
         small.episodes = small.episodes.min(5);
     }
 
-    fn names(&self, _: &[Job]) -> Vec<String> {
+    fn names(&self, _: Option<&dyn Planned>) -> Vec<String> {
         let Origin { block, run, fingerprint, .. } = &self.origin;
         let settings = self.settings();
         let all: [&dyn ToString; 6] = [&"harden", block, &self.written.name, run, fingerprint, &settings];

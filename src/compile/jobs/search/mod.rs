@@ -3,7 +3,7 @@ mod block;
 use std::fmt;
 use std::sync::Arc;
 
-use super::{Job, Origin, Planned};
+use super::{Origin, Planned};
 use base::seed::Seed;
 pub(super) use block::{BLOCK, Rival};
 use episode::Scenario;
@@ -112,7 +112,7 @@ impl Planned for Search {
         self.tries = self.tries.min(5);
     }
 
-    fn names(&self, _: &[Job]) -> Vec<String> {
+    fn names(&self, _: Option<&dyn Planned>) -> Vec<String> {
         self.of_block(&self.origin.block)
     }
 }

@@ -7,6 +7,15 @@ use base::signature::Distribution;
 use road::geometry::{Pose, wrap_angle};
 use road::{LaneFilter, LaneStretch, Town, Waypoint};
 
+/// A concrete start of the ego and the first pedestrian.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Spawn {
+    pub ego: Pose,
+    /// Speed of the ego (m/s); 0 in a start that is drawn for a driver in its steady state, before the driver has driven.
+    pub ego_speed: f64,
+    pub pedestrian: Pose,
+}
+
 /// The rule for the ego's start.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EgoStart {

@@ -1,7 +1,5 @@
 use std::fmt;
 
-use super::Survey;
-
 /// Why no pedestrian can be placed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpawnError {
@@ -33,14 +31,6 @@ pub struct Rarity {
     /// Whether enough starts satisfy all constraints when pose and place are drawn together, but none around most poses of the ego. Then
     /// the numbers count starts that were drawn as episodes draw them, and the tries for them.
     pub barren: bool,
-}
-
-impl Rarity {
-    pub(super) fn of(survey: &Survey) -> Self {
-        let (worst, worst_passed) = survey.worst().unwrap_or_default();
-        let (accepted, tried, worst) = (survey.accepted, survey.tried, worst.to_string());
-        Self { accepted, tried, worst, worst_passed, barren: false }
-    }
 }
 
 impl fmt::Display for Rarity {

@@ -24,14 +24,14 @@ mod placement;
 mod error;
 
 pub use constraint::{Constraint, Ground};
-pub use ego_start::{EgoSpeed, EgoStart, LanePiece, RoadShape};
+pub use ego_start::{EgoSpeed, EgoStart, LanePiece, RoadShape, Spawn};
 pub use error::{Rarity, SpawnError};
 pub(crate) use given_path::Pacing;
 pub use given_path::{GivenPath, PathPoint};
 pub use parameter::{DrawnParameter, StartParameter};
 pub use placement::{CastSurvey, Placement, Unplaced};
 pub(crate) use placement::{Placing, behind};
-pub use rule::{Measure, Spawn, SpawnRule};
+pub use rule::{Measure, SpawnRule};
 pub use survey::Survey;
 pub(crate) use target_walk::Release;
 pub use target_walk::{TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion, euro_ncap_bands};

@@ -2,7 +2,7 @@ use rand::RngExt;
 
 use super::constraint::is_on_level;
 use super::constraint::placed;
-use super::{Constraint, EgoSpeed, EgoStart, GivenPath, Rarity, RoadShape, SpawnError, Survey, TargetWalk};
+use super::{Constraint, EgoSpeed, EgoStart, GivenPath, Rarity, RoadShape, Spawn, SpawnError, Survey, TargetWalk};
 use crate::FirstHeading;
 use base::choice;
 use base::seed::Stream;
@@ -55,15 +55,6 @@ pub struct SpawnRule {
     pub given_path: Option<GivenPath>,
 }
 
-/// A concrete start of the ego and the first pedestrian.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Spawn {
-    pub ego: Pose,
-    /// Speed of the ego (m/s); 0 in a start that is drawn for a driver in its steady state, before the driver has driven.
-    pub ego_speed: f64,
-    pub pedestrian: Pose,
-}
-
 /// Starts that must be accepted for [`SpawnRule::probe`] to pass.
 const ENOUGH: u32 = 4;
 /// Number of tries in which they are found, unless they are rare.
@@ -114,7 +105,7 @@ impl SpawnRule {
             if survey.accepted * FEW_PROBES >= survey.tried * ENOUGH {
                 return Ok((survey, None));
             }
-            let rarity = Rarity::of(&survey);
+            let rarity = survey.rarity();
             if survey.accepted >= ENOUGH { Ok((survey, Some(rarity))) } else { Err(SpawnError::Crowded(rarity)) }
         };
         match &self.ego_start {
@@ -162,7 +153,7 @@ impl SpawnRule {
             tried += self.sample_counting(town, obstacles, first, stream).1;
             accepted += 1;
         }
-        (tried > DRAWN * FEW_TRIES).then(|| Rarity { accepted, tried, barren: true, ..Rarity::of(survey) })
+        (tried > DRAWN * FEW_TRIES).then(|| Rarity { accepted, tried, barren: true, ..survey.rarity() })
     }
 
     /// The first command that leads the pedestrian as the rule's test or path states; `None` if the rule has neither.

@@ -1,5 +1,5 @@
 use super::constraint::is_on_level;
-use super::{Spawn, SpawnRule};
+use super::{Rarity, Spawn, SpawnRule};
 use crate::FirstHeading;
 use base::seed::Stream;
 use road::Town;
@@ -23,6 +23,12 @@ impl Survey {
     pub fn worst(&self) -> Option<(&str, u32)> {
         let worst = self.constraints.iter().min_by_key(|(_, passed)| *passed);
         worst.map(|(name, passed)| (name.as_str(), *passed))
+    }
+
+    pub(super) fn rarity(&self) -> Rarity {
+        let (worst, worst_passed) = self.worst().unwrap_or_default();
+        let (accepted, tried, worst) = (self.accepted, self.tried, worst.to_string());
+        Rarity { accepted, tried, worst, worst_passed, barren: false }
     }
 }
 

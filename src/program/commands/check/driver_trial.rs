@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
 
-use super::empty_road;
+use super::empty_road::{self, told};
 use crate::cli::{console, interrupt};
 use crate::exit_code::ExitCode;
 use crate::session::seconds;
@@ -195,16 +195,6 @@ pub(super) fn failed(what: &str) -> ExitCode {
 pub(super) fn first_fault(outcomes: &[Outcome]) -> Option<String> {
     let mut faults = outcomes.iter().enumerate().filter_map(|(episode, outcome)| Some((episode, outcome.fault()?)));
     faults.next().map(|(episode, fault)| format!("in episode {episode} {}", told(fault)))
-}
-
-/// What a driver did wrong, and what helps.
-pub(super) fn told(fault: Fault) -> String {
-    let help = match fault {
-        Fault::Late { .. } => "; `--timeout` here, and `timeout` in a scenario, give it more time",
-        Fault::LateStart { .. } => "; `--start-timeout` here gives it more time",
-        _ => "",
-    };
-    format!("it {fault}{help}")
 }
 
 /// The first episode that is another one, in words; an episode in error is not another one.

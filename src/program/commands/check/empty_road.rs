@@ -4,7 +4,7 @@ use base::seed::Seed;
 use episode::Scenario;
 use road::geometry::Point;
 use road::{LaneFilter, RoadOption, Waypoint, lane_route};
-use world::av::{DrivingPolicy, Perception, PerfectSensors};
+use world::av::{DrivingPolicy, Fault, Perception, PerfectSensors};
 use world::sim::{ActorStart, Control, Start, World};
 
 /// The town: a street with a bend that ends at another one.
@@ -57,7 +57,7 @@ pub fn follow(scenario: &Scenario, driver: &mut dyn DrivingPolicy, seed: &Seed) 
         driver.prepare(&perception);
         let control = driver.drive(&perception);
         if let Some(fault) = driver.fault() {
-            return Err(super::driver_trial::told(fault));
+            return Err(told(fault));
         }
         world.tick(&[control], &[]);
         let ego = world.ego().state;
@@ -106,4 +106,14 @@ impl Drive {
             false => format!("the car did not get through the turn in {TIME_LIMIT:.0} s: it drove {:.0} m", self.way),
         }
     }
+}
+
+/// What a driver did wrong, and what helps.
+pub(super) fn told(fault: Fault) -> String {
+    let help = match fault {
+        Fault::Late { .. } => "; `--timeout` here, and `timeout` in a scenario, give it more time",
+        Fault::LateStart { .. } => "; `--start-timeout` here gives it more time",
+        _ => "",
+    };
+    format!("it {fault}{help}")
 }

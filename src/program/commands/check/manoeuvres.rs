@@ -4,7 +4,8 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::driver_trial::{passed, told};
+use super::driver_trial::passed;
+use super::empty_road::told;
 use base::diagnostic::Sources;
 use base::seed::{Seed, Stream};
 use compile::{Catalog, Evaluation, compile};

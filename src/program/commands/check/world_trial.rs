@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use super::driver_trial::{TrialArgs, failed, first_difference, first_fault, passed, proving_grounds, told};
+use super::driver_trial::{TrialArgs, failed, first_difference, first_fault, passed, proving_grounds};
+use super::empty_road::told;
 use super::manoeuvres::manoeuvres;
 use super::{CheckArgs, for_people};
 use crate::cli::external_world::external_world;

@@ -1,10 +1,32 @@
-use super::GateError;
 use crate::record::{ColumnReference, Role};
 use crate::report::infer::{BEATS_UNTRAINED, BeatsUntrained};
 use crate::report::metric_table::TRAININGS_DISAGREE;
 use crate::tables::METRICS;
 use crate::tables::metrics::MEAN;
 use crate::tables::{FIRST_FAILURE, FIRST_FAULT};
+
+/// Why a gate is invalid.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GateError {
+    #[error(
+        "`{text}` is not a condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over pedestrians COLUMN` takes the greatest of a place"
+    )]
+    Form { text: String },
+    #[error("`{text}`: `and` joins conditions, and nothing else does; for `or` write several gates")]
+    Joined { text: String },
+    #[error("nothing that a gate can judge is called `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists the metrics".to_string(), |near| format!("did you mean `{near}`?")))]
+    Column { name: String, nearest: Option<String> },
+    #[error("`{text}` matches no row: {reason}")]
+    AboutNothing { text: String, reason: String },
+    #[error(
+        "`{text}` has `over pedestrians` more than once: which pedestrian would the others be about? Write several gates"
+    )]
+    Extremes { text: String },
+    #[error("`{name}` holds {holds}: {advice}")]
+    Kind { name: String, holds: &'static str, advice: String },
+    #[error("`{text}` can never be true: no value of `{name}` is as it says")]
+    Never { text: String, name: String },
+}
 
 /// A part of a gate: a column, a sign, and a number or a word.
 #[derive(Debug, Clone, PartialEq)]

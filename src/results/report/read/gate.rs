@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 
 use polars::prelude::{AnyValue, DataFrame};
 
-use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
+use super::condition::{Bound, Comparison, Condition, Extreme, GateError, is_end};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::aggregate::{search_cell_reference, search_key};
@@ -26,29 +26,6 @@ pub struct Gate {
     /// Whether a row that cannot be judged passes.
     allow_unjudged: bool,
     conditions: Vec<Condition>,
-}
-
-/// Why a gate is invalid.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum GateError {
-    #[error(
-        "`{text}` is not a condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over pedestrians COLUMN` takes the greatest of a place"
-    )]
-    Form { text: String },
-    #[error("`{text}`: `and` joins conditions, and nothing else does; for `or` write several gates")]
-    Joined { text: String },
-    #[error("nothing that a gate can judge is called `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists the metrics".to_string(), |near| format!("did you mean `{near}`?")))]
-    Column { name: String, nearest: Option<String> },
-    #[error("`{text}` matches no row: {reason}")]
-    AboutNothing { text: String, reason: String },
-    #[error(
-        "`{text}` has `over pedestrians` more than once: which pedestrian would the others be about? Write several gates"
-    )]
-    Extremes { text: String },
-    #[error("`{name}` holds {holds}: {advice}")]
-    Kind { name: String, holds: &'static str, advice: String },
-    #[error("`{text}` can never be true: no value of `{name}` is as it says")]
-    Never { text: String, name: String },
 }
 
 /// The result of a gate for a cell.

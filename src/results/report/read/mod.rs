@@ -7,8 +7,9 @@ mod condition;
 mod failures;
 mod searches;
 
+pub use condition::GateError;
 pub use divergence::divergence;
 pub use failures::Touches;
-pub use gate::{Gate, GateError, Judged, TooFewRuns, requirements_in};
+pub use gate::{Gate, Judged, TooFewRuns, requirements_in};
 pub use searches::StoredSearch;
 pub use stored::{Difference, ReadError, StoredReport, StoredRun, differences};

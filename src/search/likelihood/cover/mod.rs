@@ -23,9 +23,9 @@ pub use picture::{Picture, Point, Sampled};
 use std::ops::ControlFlow;
 
 use base::seed::Seed;
-use design::uncertain;
 pub(super) use design::uniform;
 use look::{bound, share_of_look, size};
+use picture::uncertain;
 
 /// What is to be shown, and at what cost.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,6 @@
 use super::message::{Choice, Decision, Pedals, Revision};
 use crate::av::view::{Kind, LaneAhead, View};
 use crate::av::{DrivingMode, Fault};
-use crate::sim::LightColour;
 use road::GiveWay;
 use road::geometry::Pose;
 
@@ -28,14 +27,7 @@ pub(super) fn write_world(
     revision: Revision,
 ) {
     let mut put = |number: f64| out.extend_from_slice(&number.to_le_bytes());
-    let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
-        let colour = match light.colour {
-            LightColour::Green => 1.0,
-            LightColour::Yellow => 2.0,
-            LightColour::Red => 3.0,
-        };
-        (colour, light.distance)
-    });
+    let (light, distance) = view.light_numbers();
     let (sign, line) = view.sign.map_or((0.0, 0.0), |sign| {
         let kind = match sign.kind {
             GiveWay::Stop => 1.0,

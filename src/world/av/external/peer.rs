@@ -1,14 +1,11 @@
 use std::sync::Arc;
 
-use super::refusal::{KeyOf, known, unknown_key};
+use super::refusal::{KeyOf, known, shown, unknown_key};
 use super::{Link, Opener, Program};
 use crate::av::{Exit, Fault};
-use base::printable::printable;
 
 /// Longest line of an answer (bytes).
 const MAX_LINE: usize = 1 << 20;
-/// The number of bytes of a wrong answer that are shown.
-const SHOWN: usize = 200;
 /// What is said of a program that says something else of itself at a later start.
 const ANOTHER: Fault = Fault::Greeting(
     "otherwise than at its first start: what it says of itself is recorded, so it must be the same at each start",
@@ -128,11 +125,4 @@ impl Peer {
         link.line(answer, MAX_LINE)?;
         read(answer).inspect_err(|fault| link.note(&format!("{fault}: {}", shown(answer))))
     }
-}
-
-/// The start of an answer, in printable characters.
-pub(super) fn shown(said: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]).replace(char::is_control, " ");
-    let dots = if said.len() > SHOWN { "…" } else { "" };
-    format!("`{}{dots}`", printable(&text))
 }

@@ -7,9 +7,12 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Map, Value};
 
-use super::peer::shown;
 use crate::av::{Fault, Word};
+use base::printable::printable;
 use base::suggest::nearest;
+
+/// The number of bytes of a wrong answer that are shown.
+const SHOWN: usize = 200;
 
 /// A key of a message: its name, what its value must be, and whether a value is that.
 pub type KeyOf = (&'static str, &'static str, fn(&Value) -> bool);
@@ -148,4 +151,11 @@ pub(super) fn unknown_key(line: &[u8], keys: &[KeyOf]) -> Option<String> {
         None => format!("known are `{}`", known().collect::<Vec<_>>().join("`, `")),
     };
     Some(format!("its greeting has a key {}, which is unknown and ignored; {help}", shown(unknown.as_bytes())))
+}
+
+/// The start of an answer, in printable characters.
+pub(super) fn shown(said: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]).replace(char::is_control, " ");
+    let dots = if said.len() > SHOWN { "…" } else { "" };
+    format!("`{}{dots}`", printable(&text))
 }

@@ -1,9 +1,10 @@
 use super::names::{place, who};
+use super::scale::injury;
 use super::{FAULT, Scale};
 use crate::report::render::table::{Column, Place, Section, Selection, Table, Value};
 use crate::report::{DriverResult, Findings, SearchFailures};
-use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
-use crate::tables::{Cell, Cells};
+use crate::tables::Cells;
+use crate::tables::metrics::{COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 
 /// How to read the table.
 const READING: &str = "Own drivers lead, baselines come last; then the order is that of *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
@@ -29,15 +30,6 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
         notes: vec![format!("{READING} {FAULT}")],
         ..Section::default()
     })
-}
-
-/// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches. `None` of the cases of a test, which are
-/// no sample of episodes.
-pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
-    match result.cell.map(|cell| &cells[cell]) {
-        Some(cell) => cell.value(&AVOIDABLE_INJURY).filter(|_| !cell.is_fixed_cases()).map(|injury| injury * 1000.0),
-        None => result.searched.and_then(|found| found.injury_per_thousand),
-    }
 }
 
 fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {

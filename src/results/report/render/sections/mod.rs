@@ -20,10 +20,9 @@ mod starts;
 mod failures;
 
 pub use cast::share_of_two;
-pub use drivers::injury;
 pub use failures::failures_for_terminal;
 pub use names::{place, who};
-pub use scale::Scale;
+pub use scale::{Scale, injury};
 pub use searches::{failed_starts, who as searcher};
 
 pub(crate) use searches::searches as search_section;

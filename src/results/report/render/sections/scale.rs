@@ -16,6 +16,15 @@ pub struct Scale<'a> {
     settings: BTreeMap<CellKey, Vec<usize>>,
 }
 
+/// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches. `None` of the cases of a test, which are
+/// no sample of episodes.
+pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
+    match result.cell.map(|cell| &cells[cell]) {
+        Some(cell) => cell.value(&AVOIDABLE_INJURY).filter(|_| !cell.is_fixed_cases()).map(|injury| injury * 1000.0),
+        None => result.searched.and_then(|found| found.injury_per_thousand),
+    }
+}
+
 /// A figure of the searches of a driver.
 pub type SearchedOf = fn(&SearchFailures) -> Option<f64>;
 
@@ -72,7 +81,7 @@ impl<'a> Scale<'a> {
 
     /// The avoidable injury of a driver, as [`Scale::of_driver`].
     pub fn injury_of(&self, result: &DriverResult) -> Option<f64> {
-        super::drivers::injury(result, self.cells)?;
+        injury(result, self.cells)?;
         self.of_driver(result, &AVOIDABLE_INJURY, |searched| searched.injury_per_thousand)
     }
 

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Grid;
-use crate::jobs::{Cover, Estimation, Search};
+use super::{Cover, Estimation, Search};
+use crate::grid::Grid;
 use crate::lowering::Lowering;
 use crate::reached::reached_by;
 use base::signature::{Comparison, Formula, Value, VariableId};

@@ -2,42 +2,15 @@
 
 use std::sync::Arc;
 
-use super::ast::{Expression, ExpressionKind, Known, Operator};
-use super::diagnostics;
-use super::formula::{ROBUST, Scope, Sort, formula, functions, is_function};
-use super::value::{Context, describe, quantity};
-use base::choice;
+use super::context::{Context, describe};
+use super::quantity::quantity;
+use crate::ast::{Expression, ExpressionKind, Known, Operator};
+use crate::diagnostics;
+use crate::formula::{ROBUST, Scope, Sort, formula, functions, is_function};
+use crate::temporal::{Word, is_temporal, temporal_operators};
 use base::diagnostic::Diagnostic;
 use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, VariableId, Within};
 use base::units::Dimension;
-
-choice! {
-    /// An operator of requirements, in a call.
-    #[derive(Clone, Copy)]
-    enum Word {
-        Always = "always",
-        Eventually = "eventually",
-        Until = "until",
-        Scaled = "scaled",
-    }
-}
-
-const MEANINGS: [&str; Word::ALL.len()] = [
-    "always(a), always(a, [0 s, 2 s]): a is true at all samples from now to the end, or within the bound.",
-    "eventually(a), eventually(a, [0 s, 2 s]): a is true at one sample from now to the end, or within the bound.",
-    "until(a, b), until(a, b, [0 s, 2 s]): b is true at one sample from now on, or within the bound, and a at all samples before that one.",
-    "scaled(a < b, 0.5 m): the comparison, of which 0.5 m count as 1 where a requirement compares quantities of different dimensions.",
-];
-
-/// The operators of requirements, in calls, and what they mean.
-pub fn temporal_operators() -> impl Iterator<Item = (&'static str, &'static str)> {
-    Word::ALL.map(Word::name).into_iter().zip(MEANINGS)
-}
-
-/// Whether requirements have an operator of this name.
-pub(super) fn is_temporal(name: &str) -> bool {
-    Word::named(name).is_some()
-}
 
 /// Checks an expression as a requirement; `None` after an error has been reported.
 pub(super) fn requirement(

@@ -1,4 +1,3 @@
-use super::Held;
 use crate::units::Dimension;
 
 /// The minimum positive value, in SI: smaller divisors give quotients that are too large to use.
@@ -223,25 +222,5 @@ fn with_units(dimension: Dimension, name: &str) -> String {
     match dimension.usual_units() {
         [] => name.to_string(),
         units => format!("{name} [{}]", units.join(", ")),
-    }
-}
-
-/// A key of a form or kind.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Param {
-    /// The key.
-    pub name: &'static str,
-    pub ty: Type,
-    /// The value when the key is not given, as written in a file. `None` if the key is required, and `Some("")`
-    /// when it is optional and then absent.
-    pub default: Option<&'static str>,
-    /// One sentence for the reference.
-    pub doc: &'static str,
-}
-
-impl Param {
-    /// A key whose values are held in Rust as `T`, of which a single one is of this type. The default is written as in a file.
-    pub fn new<T: Held>(name: &'static str, single: Type, default: Option<&'static str>, doc: &'static str) -> Self {
-        Self { name, ty: T::type_of(single), default: default.or(T::OPTIONAL.then_some("")), doc }
     }
 }
