@@ -119,6 +119,16 @@ impl View {
 }
 
 impl View {
+    /// The colour of the light ahead, 0 for none, 1 for green, 2 for yellow and 3 for red, and its distance (m).
+    pub(super) fn light_numbers(&self) -> (f64, f64) {
+        let colour = |light: LightAhead| match light.colour {
+            LightColour::Green => 1.0,
+            LightColour::Yellow => 2.0,
+            LightColour::Red => 3.0,
+        };
+        self.light.map_or((0.0, 0.0), |light| (colour(light), light.distance))
+    }
+
     /// Updates the lanes at the points of the route that [`View::look`] took from the same path.
     pub fn look_at_lanes(&mut self, perception: &Perception<'_>, path: &Path) {
         let town = perception.town;

@@ -1,5 +1,4 @@
 use crate::av::view::View;
-use crate::sim::LightColour;
 use road::geometry::{Pose, Vector, wrap_angle};
 
 /// The content of an input of the network, with the number of rows.
@@ -33,14 +32,7 @@ impl Input {
         let turned = |velocity: &Vector| [velocity.dot(&forward), velocity.dot(&left)];
         let numbers: Vec<f64> = match self {
             Self::Ego => {
-                let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
-                    let colour = match light.colour {
-                        LightColour::Green => 1.0,
-                        LightColour::Yellow => 2.0,
-                        LightColour::Red => 3.0,
-                    };
-                    (colour, light.distance)
-                });
+                let (light, distance) = view.light_numbers();
                 vec![view.speed, view.speed_limit, light, distance]
             }
             Self::Actors(rows) => (0..rows)
@@ -62,6 +54,7 @@ impl Input {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sim::LightColour;
 
     #[test]
     fn numbers_are_in_the_frame_of_the_ego() {
