@@ -54,7 +54,8 @@ pub use fingerprint::Fingerprint;
 pub use jobs::*;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, Documented, Driver, NamedTown, OutsideSetting, Plan, Published, PublishedCell, PublishedFigure,
+    Campaign, Documented, Driver, NamedDriver, NamedTown, OutsideSetting, Plan, Published, PublishedCell,
+    PublishedFigure,
 };
 pub use policy_kind::{PolicyKind, Sight};
 pub use programs::{ExternalProgram, Programs, changed_files};
