@@ -2,7 +2,7 @@
 
 A driver has one method ``drive(world)``. It gets what a driver in a separate program gets (``scenarios/external/README.md``): ``ego``,
 ``speed_limit``, ``light``, ``sign``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
-``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left). Steer along ``route``: it leads to the start of the episode, and a driver
+``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left) or ``wheel_angle`` (rad). Steer along ``route``: it leads to the start of the episode, and a driver
 that does not get there starts at rest. Where the road ends it is empty: brake there. A method ``reset(hello, seed)`` is called before each episode, if there is
 one: ``hello`` describes the car and has the ``parameters`` of the scenario, and ``seed`` is the only source of random numbers. A class with ``revision = 2`` also gets ``lanes``, and the ids
 of actors.
@@ -30,7 +30,7 @@ from .suggestion import suggested
 _GREETING = {"protocol": "falsify-av/1", "name": "falsify_av"}
 _LIGHTS = {"green": 1.0, "yellow": 2.0, "red": 3.0}
 _PEDALS = ("throttle", "brake")
-_CONTROLS = (*_PEDALS, "acceleration", "steer", "mode")
+_CONTROLS = (*_PEDALS, "acceleration", "steer", "wheel_angle", "mode")
 #: The lengths of each input of a network, besides its first, and its shape in words.
 _INPUTS: dict[str, tuple[tuple[int | range, ...], str]] = {
     "ego": ((4,), "(1, 4)"),
@@ -118,6 +118,8 @@ def _checked(control: Mapping[str, Any]) -> dict[str, Any]:
     if pedals == ("acceleration" in checked):
         what = "both acceleration and pedals" if pedals else "neither throttle, brake nor acceleration"
         raise ValueError(f"the driver gave a wrong answer: an action with {what}")
+    if "steer" in checked and "wheel_angle" in checked:
+        raise ValueError("the driver gave a wrong answer: an action with both steer and wheel_angle")
     return checked
 
 
@@ -143,28 +145,36 @@ class OnnxDriver:
     """A network with the inputs ``ego``, ``actors`` and ``route`` as `scenarios/external/README.md` describes them.
 
     A file that the program refuses raises a ``ValueError`` here, too. It runs in onnxruntime: ``own_driver=lambda: OnnxDriver("net.onnx")``, or with a session of your own. A scenario's ``driver p = onnx(model: …)``
-    needs no onnxruntime. The two compute the same function with other last bits, so episodes drift apart: digests differ, outcomes seldom.
+    needs no onnxruntime. A pair of an input ``NAME_in`` and an output ``NAME_out`` is state, 0 at the start of an episode. The two compute the same function with other last bits, so episodes drift apart: digests differ, outcomes seldom.
     """
 
     def __init__(self, model: Any) -> None:
-        self._network = Network(model)
+        self._network = Network(model, with_state=True)
         for name, shape in self._network.shapes.items():
             if name not in _INPUTS:
-                raise ValueError(f"the network's input `{name}` is none of {', '.join(f'`{each}`' for each in _INPUTS)}")
+                known = ", ".join(f"`{each}`" for each in _INPUTS)
+                raise ValueError(f"the network's input `{name}` is none of {known}, and no state: `NAME_in` with an output `NAME_out`")
             lengths, wanted = _INPUTS[name]
             if not fits(shape, *lengths):
                 raise ValueError(f"the network's input `{name}` must have the shape {wanted}, and has {tuple(shape)}")
-        count = self._answer(_NOTHING).size
+        self._state = self._network.zeros()
+        count = self._answer(_NOTHING)[0].size
         if count not in _OUTPUTS:
             raise ValueError(f"the network's output has {count} numbers instead of two (acceleration, steer) or three (throttle, brake, steer)")
 
+    def reset(self, hello: dict[str, Any], seed: int) -> None:
+        """Forget the last episode."""
+        self._state = self._network.zeros()
+
     def drive(self, world: dict[str, Any]) -> dict[str, float]:
         """Run the network."""
-        numbers = self._answer(world)
+        numbers, self._state = self._answer(world)
         return {name: float(number) for name, number in zip(_OUTPUTS[numbers.size], numbers)}
 
-    def _answer(self, world: dict[str, Any]) -> NDArray[Any]:
-        return self._network.answer({name: self._input(name, shape, world) for name, shape in self._network.shapes.items()}).ravel()
+    def _answer(self, world: dict[str, Any]) -> tuple[NDArray[Any], dict[str, NDArray[np.float32]]]:
+        seen = {name: self._input(name, shape, world) for name, shape in self._network.shapes.items()}
+        found, state = self._network.step({**seen, **self._state})
+        return found.ravel(), state
 
     def _input(self, name: str, shape: list[Any], world: dict[str, Any]) -> NDArray[np.float32]:
         ego = world["ego"]

@@ -22,12 +22,14 @@ class Network:
 
     Args:
         model: A file, its bytes, or a session of onnxruntime.
+        with_state: Whether a pair of an input ``NAME_in`` and an output ``NAME_out`` is state, and no input and no output.
 
     Raises:
         ValueError: It has other inputs than floats, or not exactly one output.
     """
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: Any, with_state: bool = False) -> None:
+        self._with_state = with_state
         self._file: str | bytes | None = None
         if not hasattr(model, "get_inputs"):
             import onnxruntime
@@ -36,6 +38,13 @@ class Network:
             model = onnxruntime.InferenceSession(self._file, providers=["CPUExecutionProvider"])
         self.session = model
         inputs, outputs = model.get_inputs(), model.get_outputs()
+        names = [each.name for each in outputs] if with_state else []
+        pairs = {each.name: f"{each.name[:-3]}_out" for each in inputs if each.name.endswith("_in") and f"{each.name[:-3]}_out" in names}
+        #: The shape of each state, by the name of its input; a free length is a number of worlds, 1 here.
+        self._states = {each.name: tuple(length if isinstance(length, int) else 1 for length in each.shape) for each in inputs if each.name in pairs}
+        self._types = {each.name: _FLOATS.get(each.type, np.float32) for each in inputs}
+        inputs, outputs = [each for each in inputs if each.name not in pairs], [each for each in outputs if each.name not in pairs.values()]
+        self._wanted = [*(each.name for each in outputs), *pairs.values()]
         if not inputs or len(outputs) != 1:
             raise ValueError(f"the network needs at least one input and exactly one output, and has {len(inputs)} and {len(outputs)}")
         for each in inputs:
@@ -48,7 +57,6 @@ class Network:
         #: The numbers of a row of its output; `None` if the file leaves it open.
         last = outputs[0].shape[-1] if outputs[0].shape else None
         self.width: int | None = last if isinstance(last, int) else None
-        self._types = {each.name: _FLOATS[each.type] for each in inputs}
 
     def __deepcopy__(self, _: dict[int, Any]) -> Network:
         # It remembers nothing, and a session has no copy.
@@ -57,12 +65,28 @@ class Network:
     def __reduce__(self) -> tuple[Any, ...]:
         if self._file is None:
             raise TypeError("a network of a session of onnxruntime cannot be pickled, since a session cannot; make it of the file")
-        return type(self), (self._file,)
+        return type(self), (self._file, self._with_state)
+
+    def zeros(self) -> dict[str, NDArray[np.float32]]:
+        """Its states at the start of an episode."""
+        return {name: np.zeros(shape, np.float32) for name, shape in self._states.items()}
+
+    def step(self, numbers: Mapping[str, NDArray[np.float32]]) -> tuple[NDArray[Any], dict[str, NDArray[np.float32]]]:
+        """Its output, and its states after it.
+
+        Raises:
+            ValueError: A state has another shape than before.
+        """
+        found, *states = self.session.run(self._wanted, {name: given.astype(self._types[name]) for name, given in numbers.items()})
+        after = dict(zip(self._states, states))
+        for name, shape in self._states.items():
+            if after[name].shape != shape:
+                raise ValueError(f"the network's state `{name}` has the shape {shape}, and its output {after[name].shape}")
+        return np.asarray(found), after
 
     def answer(self, numbers: Mapping[str, NDArray[np.float32]]) -> NDArray[Any]:
         """Its output."""
-        [found] = self.session.run(None, {name: given.astype(self._types[name]) for name, given in numbers.items()})
-        return np.asarray(found)
+        return self.step(numbers)[0]
 
 
 def fits(shape: list[Any], *wanted: int | range) -> bool:

@@ -42,6 +42,15 @@ def test_a_class_answers_as_the_protocol_says():
         drivers._Answers(Silent)(later)
 
 
+def test_the_angle_of_the_wheels_takes_the_place_of_steer():
+    checked = drivers._checked({"acceleration": 1, "wheel_angle": -0.2})
+    assert checked == {"acceleration": 1.0, "wheel_angle": -0.2}
+    with pytest.raises(ValueError, match="both steer and wheel_angle"):
+        drivers._checked({"brake": 1, "steer": 0.0, "wheel_angle": 0.0})
+    with pytest.raises(ValueError, match="`wheel_angle` is inf, which is not finite"):
+        drivers._checked({"brake": 1, "wheel_angle": math.inf})
+
+
 @pytest.mark.parametrize("file", ["scenarios/external/my_av.py", "scenarios/external/tuned_av.py", "tests/external/follower.py", "tests/external/braking.py"])
 def test_a_shipped_driver_brakes_where_the_road_ends_and_steers_within_its_range(file):
     hello = {"type": "hello", "protocol": "falsify-av/1"}
@@ -193,7 +202,7 @@ def test_exceptions_of_a_driver_are_its_own(scenario):
     [
         ({"throtle": 1.0}, ValueError, "no key `throtle`; did you mean `throttle`?"),
         ({"throttle": 0.3, "steering": 0.1}, ValueError, "no key `steering`; did you mean `steer`?"),
-        ({"brake": 1.0, "horn": 1}, ValueError, "no key `horn`; there is throttle, brake, acceleration, steer, mode"),
+        ({"brake": 1.0, "horn": 1}, ValueError, "no key `horn`; there is throttle, brake, acceleration, steer, wheel_angle, mode"),
         ({"brake": 1.0, "mode": "cruize"}, ValueError, "there is no mode `cruize`; did you mean `cruise`?"),
         ({}, ValueError, "neither throttle, brake nor acceleration"),
         ({"steer": 0.1}, ValueError, "neither throttle, brake nor acceleration"),

@@ -23,7 +23,7 @@ from falsify_av.stacks import fmu_file  # noqa: E402
 from falsify_av.stacks.batch import Frame  # noqa: E402
 from falsify_av.stacks.fmu import Fmu, main, seen  # noqa: E402
 from falsify_av.stacks.fmu_file import File, opened  # noqa: E402
-from falsify_av.stacks.fmu_links import COLUMNS, linked  # noqa: E402
+from falsify_av.stacks.fmu_links import COLUMNS, Link, linked  # noqa: E402
 
 SOURCES = Path(__file__).with_name("stacks") / "fmu"
 VEHICLE = {"length": 4.79, "width": 2.16, "wheelbase": 3.0, "greatest_wheel_angle": 0.86}
@@ -194,6 +194,17 @@ def test_pedals_and_the_follower(tmp_path: Path) -> None:
     assert throttle > 0.5 and (brake, steer) == (0.0, 0.0), "an FMU that only brakes is driven"
     throttle, brake, _ = (float(each[0]) for each in fmu.decide(frame(1, 8.0, [person(5.0)])))
     assert (throttle, brake) == (0.0, 0.5)
+
+
+def test_the_angle_of_the_wheels_is_answered_as_such(made: Path) -> None:
+    fmu = driver(made / "aeb.fmu", AEB)
+    # A tenth of its braking stands for an angle; a brake of 9 m/s^2 builds up in 0.1 s.
+    fmu.links.outputs = [Link(fmu.links.outputs[0].variable, "car.wheel", factor=0.1)]
+    *_, wheel = fmu.decide(frame(1, 8.0, [person(5.0)], start=True))
+    assert fmu.links.is_angle and wheel[0] == pytest.approx(0.9 * (1.0 - math.exp(-0.5)))
+    fmu.links.outputs[0].factor = -4.0
+    *_, wheel = fmu.decide(frame(1, 8.0, [person(5.0)]))
+    assert wheel[0] == -VEHICLE["greatest_wheel_angle"], "more than the car has is cut"
 
 
 @pytest.mark.parametrize(

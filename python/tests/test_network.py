@@ -201,6 +201,42 @@ def test_networks_that_the_program_refuses_are_no_drivers(tmp_path, inputs, widt
         drivers.OnnxDriver(file)
 
 
+def recurrent(path, counter=(1, 1)):
+    """Writes a network that counts ticks, adds up the speeds, and drives with both."""
+    import onnx
+    from onnx import TensorProto, helper
+
+    tensor = lambda name, shape: helper.make_tensor_value_info(name, TensorProto.FLOAT, shape)
+    constant = lambda name, shape, numbers: helper.make_tensor(name, TensorProto.FLOAT, shape, numbers)
+    nodes = [
+        helper.make_node("Add", ["ticks_in", "one"], ["ticks_out"]),
+        helper.make_node("MatMul", ["ego", "first"], ["speed"]),
+        helper.make_node("Add", ["sum_in", "speed"], ["sum_out"]),
+        helper.make_node("Concat", ["ticks_out", "sum_out"], ["control"], axis=1),
+    ]
+    inputs = [tensor("ego", [1, 4]), tensor("ticks_in", counter), tensor("sum_in", ["batch", 1])]
+    outputs = [tensor("sum_out", ["batch", 1]), tensor("control", [1, 2]), tensor("ticks_out", [1, 1])]
+    constants = [constant("one", [1, 1], [1.0]), constant("first", [4, 1], [1.0, 0.0, 0.0, 0.0])]
+    model = helper.make_model(helper.make_graph(nodes, "recurrent", inputs, outputs, constants), opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+    onnx.save(model, path)
+    return path
+
+
+def test_a_recurrent_network_carries_its_state_and_forgets_it_with_the_episode(tmp_path):
+    driver = drivers.OnnxDriver(recurrent(tmp_path / "recurrent.onnx"))
+    world = lambda speed: {**drivers._NOTHING, "ego": {**drivers._NOTHING["ego"], "speed": speed}}
+    drive = lambda: [tuple(driver.drive(world(speed)).values()) for speed in (2.0, 3.0, 5.0)]
+    for _ in range(2):
+        driver.reset({}, 7)
+        assert drive() == [(1.0, 2.0), (2.0, 5.0), (3.0, 10.0)]
+    assert drive()[0] == (4.0, 12.0), "without a reset it goes on"
+
+
+def test_a_pedestrian_has_no_state(tmp_path):
+    with pytest.raises(ValueError, match="exactly one output, and has 3 and 3"):
+        falsify_av.onnx(recurrent(tmp_path / "recurrent.onnx"))
+
+
 def test_a_network_of_64_bits_drives(tmp_path):
     import onnxruntime
 

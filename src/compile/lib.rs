@@ -59,7 +59,8 @@ pub use jobs::*;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use outside::{BRIDGES, bridge_command};
 pub use plan::{
-    Campaign, Documented, Driver, NamedTown, OutsideSetting, Plan, Published, PublishedCell, PublishedFigure,
+    Campaign, Documented, Driver, NamedDriver, NamedTown, OutsideSetting, Plan, Published, PublishedCell,
+    PublishedFigure,
 };
 pub use policy_kind::{PolicyKind, Sight};
 pub use programs::{ExternalProgram, Programs, changed_files};

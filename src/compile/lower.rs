@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::lowering::{BuiltTown, Lowering, MadeDriver, Shared};
 use super::noting::Noting;
-use super::plan::{Documented, NamedTown, Plan};
+use super::plan::{Documented, NamedDriver, NamedTown, Plan};
 use super::reached::{reached, reaches};
 use super::variants::{Variant, understand};
 use super::whole_plan::{forbid_equal_names, warn_of_unused};
@@ -147,7 +147,9 @@ impl Lowering<'_> {
                 plan.towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
             }
             for declaration in program.of_form("driver") {
-                let _ = self.policy(declaration.id);
+                let made = self.policy(declaration.id).filter(|_| !declaration.is_inline);
+                let (name, carries) = (declaration.name.clone(), self.shared.carried.get(&declaration.id).cloned());
+                plan.drivers.extend(made.map(|made| NamedDriver { name, policy: made.policy, carries }));
             }
             for declaration in program.of_form("pedestrian") {
                 let _ = self.controller(declaration.id);

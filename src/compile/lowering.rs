@@ -40,6 +40,8 @@ pub(super) struct Shared {
     pub worlds: BTreeMap<DeclarationId, Vec<AskedWorld>>,
     /// The programs of drivers, controllers and worlds, by their declaration and its contents.
     pub programs: BTreeMap<DeclarationId, Vec<(Block, Arc<ExternalProgram>)>>,
+    /// What networks carry from tick to tick.
+    pub carried: BTreeMap<DeclarationId, String>,
     /// Declarations that campaigns use.
     pub used: BTreeSet<DeclarationId>,
 }

@@ -161,6 +161,7 @@ pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Fr
         Model::read(bytes, output.as_deref()).map_err(|error| error.to_string())
     })?;
     let model = Arc::new(model);
+    lowering.shared.carried.extend(model.carries().map(|state| (declaration.id, state)));
     Some(Arc::new(move |_: &Arguments| {
         let model = model.clone();
         Arc::new(move || Box::new(Onnx::new(worlds, model.clone())))

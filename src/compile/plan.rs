@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::{ExternalProgram, Job, Planned, RunId};
 use base::signature::{Arguments, Keys};
-use episode::Scenario;
 use episode::requirement::NamedRequirement;
+use episode::{PolicyMaker, Scenario};
 use road::Town;
 use world::av::CruiseKeys;
 use world::av::external::ExternalKeys;
@@ -19,6 +19,8 @@ pub struct Plan {
     pub campaigns: Vec<Campaign>,
     /// The towns that these files declare themselves, in order.
     pub towns: Vec<NamedTown>,
+    /// The drivers that these files declare themselves, in order.
+    pub drivers: Vec<NamedDriver>,
     /// Campaigns of imported files, which are not run, with their files.
     pub imported_campaigns: Vec<(String, PathBuf)>,
     /// The settings from outside the files.
@@ -202,6 +204,22 @@ pub struct NamedTown {
     pub name: String,
     /// The roads.
     pub town: Arc<Town>,
+}
+
+/// A driver under the name that the files give it.
+#[derive(Clone)]
+pub struct NamedDriver {
+    pub name: String,
+    /// What makes it.
+    pub policy: PolicyMaker,
+    /// What a recurrent network carries from tick to tick, in words.
+    pub carries: Option<String>,
+}
+
+impl fmt::Debug for NamedDriver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("NamedDriver").field("name", &self.name).finish_non_exhaustive()
+    }
 }
 
 /// The description of a driver in reports.

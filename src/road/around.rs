@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::chord::Chord;
 use super::lane_network::LaneSlot;
 use super::{LaneFilter, Place, Town, Waypoint};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{OrientedBox, Point, Vector};
 
 /// How far beyond the edge of a lane the centre of a car still counts as inside (m).
 const EDGE: f64 = 0.1;
@@ -38,6 +38,12 @@ impl Town {
             direction: chord.along,
             is_junction: lane.in_junction,
         })
+    }
+
+    /// How far a body is inside the driving lanes, as [`LaneAround::inside`] counts for the corner that is farthest outside.
+    pub fn inside_road(&self, body: &OrientedBox, ground: f64) -> f64 {
+        let inside = |corner| self.lane_around(Place::on(corner, ground)).map_or(f64::INFINITY, |lane| lane.inside);
+        body.corners().map(inside).into_iter().fold(f64::INFINITY, f64::min)
     }
 
     /// Whether a point is past the end of the map: outside all driving lanes, ahead of the end of one that leads nowhere.

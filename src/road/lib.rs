@@ -45,5 +45,5 @@ pub use plan_view::{Geometry, PlanView, Shape};
 pub use road::{JunctionIndex, LaneSection, Road, RoadEnd, RoadIndex, RoadLink};
 pub use route::{ForkRule, RandomWalk, RoadOption, RoutePoint, turn};
 pub use route_planner::RoutePlanner;
-pub use town::{Town, TownParts};
+pub use town::{MapFile, Town, TownParts};
 pub use waypoint::{LaneStretch, Place, Waypoint};

@@ -1,6 +1,7 @@
 use std::any::{Any, TypeId};
 use std::collections::BTreeMap;
 use std::ops::Deref;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::chord::Chord;
@@ -36,6 +37,16 @@ pub struct TownParts {
     pub warnings: Vec<OpenDriveWarning>,
     /// The text of the map that the town was read from; `None` for a town that was designed.
     pub map: Option<Arc<str>>,
+    /// The file of that map; `None` for a town that was designed, and for a text without a file.
+    pub map_file: Option<MapFile>,
+}
+
+/// The file of a map.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MapFile {
+    pub path: PathBuf,
+    /// BLAKE3 of its text in hexadecimal digits, as manifests have it.
+    pub blake3: String,
 }
 
 /// A road network with everything that stands beside it, indexed for the look-ups of a simulation.

@@ -274,12 +274,16 @@ fn av_check_tells_good_drivers_from_bad_ones() {
         (output.status.code(), said(&output))
     };
     // The driver of the tests speaks the protocol well and does not follow its route.
-    let lost = "FAIL  follows an empty road with a bend and a turn: the car left ";
-    for (good, code, failures) in [(&["driver.py", "good"][..], 5, 1), (&["../../scenarios/external/my_av.py"], 0, 0)] {
+    let lost = [
+        "FAIL  stays on an empty road with a bend and a turn: the car left the road with a part of its body ",
+        "FAIL  follows its lane there to the end: the car left its lane ",
+    ];
+    for (good, code, failures) in [(&["driver.py", "good"][..], 5, 2), (&["../../scenarios/external/my_av.py"], 0, 0)] {
         let (found, text) = check(good);
         assert_eq!(found, Some(code), "{text}");
-        assert_eq!(text.matches("  ok    ").count(), 4 - failures, "{text}");
-        assert_eq!((text.matches(lost).count(), text.matches("FAIL").count()), (failures, failures), "{text}");
+        assert_eq!(text.matches("  ok    ").count(), 5 - failures, "{text}");
+        assert_eq!(lost.map(|said| text.matches(said).count()).into_iter().sum::<usize>(), failures, "{text}");
+        assert_eq!(text.matches("FAIL").count(), failures, "{text}");
         assert!(text.contains("-> {\"type\":\"hello\",\"protocol\":\"falsify-av/1\",\"tick_s\":0.05"), "{text}");
         assert!(code != 0 || text.contains(" ticks a CPU second alone, "), "{text}");
     }
@@ -300,6 +304,145 @@ fn av_check_tells_good_drivers_from_bad_ones() {
         assert_eq!(code, Some(5), "{mode}: {text}");
         assert!(text.lines().any(|line| line.contains("FAIL") && line.contains(what)), "{mode}: {text}");
     }
+}
+
+/// Gives the same throttle and steer always.
+const CONSTANT: &str = r#"
+import json, sys
+for line in map(json.loads, sys.stdin):
+    action = {"throttle": float(sys.argv[1]), "steer": float(sys.argv[2])}
+    actions = line["type"] == "step" and [{"id": world["id"], **action} for world in line["worlds"]]
+    print(json.dumps({"actions": actions} if actions else {"protocol": "falsify-av/1"}), flush=True)
+"#;
+
+#[needs(python)]
+#[test]
+fn an_empty_road_tells_drivers_that_follow_it_from_others() {
+    let place = tempfile::tempdir().unwrap();
+    std::fs::write(place.path().join("constant.py"), CONSTANT).unwrap();
+    let found = |throttle: &str, steer: &str| {
+        let words = ["check", "--timeout", "60", "--", "python3", "constant.py", throttle, steer];
+        let output = falsify(&words, place.path());
+        assert_eq!(output.status.code(), Some(5), "{}", said(&output));
+        let text = said(&output);
+        let [road, lane] =
+            ["stays on an empty road with a bend and a turn", "follows its lane there to the end"].map(|what| {
+                let line = text.lines().find_map(|line| line.split_once(what)).unwrap_or_else(|| panic!("{text}"));
+                line.1.trim_start_matches(": ").to_owned()
+            });
+        [road, lane]
+    };
+    let metres = |found: &str| {
+        found
+            .split_once("after ")
+            .unwrap()
+            .1
+            .split_once("after ")
+            .unwrap()
+            .1
+            .split(' ')
+            .next()
+            .unwrap()
+            .parse::<f64>()
+            .unwrap()
+    };
+    let circles = found("0.3", "0.3");
+    for (found, left) in circles.iter().zip(["the road with a part of its body ", "its lane "]) {
+        assert!(found.starts_with(&format!("the car left {left}")), "{found}");
+        assert!(found.ends_with("m/s: the driver steers constantly 0.30 to the left"), "{found}");
+    }
+    let straight = found("0.3", "0");
+    assert!(straight.iter().all(|found| found.ends_with("the driver does not steer")), "{straight:?}");
+    // The bend begins 47.6 m after the start. Its front corner, 2.4 m ahead and 2.83 m beside the middle line, is 33.6 m from the centre of the bend after
+    // 52.4 m; its centre, 1.75 m beside that line, is 34.6 m from it, 1 m beyond its lane, after 61.3 m.
+    let [road, lane] = straight.map(|found| metres(&found));
+    assert!((road - 52.4).abs() < 1.0 && (lane - 61.3).abs() < 1.0, "{road} and {lane}");
+    assert_eq!(found("0", "0"), ["", "the car stood for 120 s"]);
+}
+
+/// Follows its route, and writes down how it is greeted and how many worlds it is asked about at once.
+const GREETED: &str = r#"
+import json, math, sys
+log = open("greeted.jsonl", "a")
+for line in map(json.loads, sys.stdin):
+    if line["type"] == "hello":
+        print(json.dumps(line), file=log, flush=True)
+        print(json.dumps({"protocol": "falsify-av/1"}), flush=True)
+        continue
+    if len(line["worlds"]) > 1:
+        sys.exit("one world at a time")
+    actions = []
+    for world in line["worlds"]:
+        ego, (x, y, _) = world["ego"], (world["route"] or [(0, 0, 0)])[:4][-1]
+        turn = math.remainder(math.atan2(y - ego["y"], x - ego["x"]) - ego["yaw"], math.tau)
+        actions.append({"id": world["id"], "acceleration": 3 * (6 - ego["speed"]), "wheel_angle": max(-0.6, min(0.6, 0.8 * turn))})
+    print(json.dumps({"actions": actions}), flush=True)
+"#;
+
+#[needs(python)]
+#[test]
+fn a_driver_is_tried_as_a_file_declares_it() {
+    let place = tempfile::tempdir().unwrap();
+    let here = place.path();
+    std::fs::create_dir(here.join("maps")).unwrap();
+    std::fs::write(here.join("maps/real.xodr"), crate::straight_road::map("", "")).unwrap();
+    std::fs::write(here.join("greeted.py"), GREETED).unwrap();
+    let driver = "driver mine = external(command: \"python3 greeted.py\", worlds: 1, timeout: 60 s, route_points: 12, \
+                  parameters: [\"gap=0.5\"], files: [\"greeted.py\"])\n";
+    let campaign = "import \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+        town real = opendrive(file: \"maps/real.xodr\")\n\
+        spawn near { ego_speed: 0 m/s  bearing: 0 deg  distance: 20 m }\nepisode brief { ticks: 40  hold: 10 }\n\
+        campaign c { vehicle: mkz  body: suicidal  spawn: near  episode: brief\n\
+        evaluate { towns: [harbour, real]  drivers: [mine, blind]  pedestrians: [random]  episodes: 1 } }\n";
+    std::fs::write(here.join("all.scn"), format!("edition 1\n{campaign}{driver}")).unwrap();
+    std::fs::write(here.join("alone.scn"), format!("edition 1\n{driver}driver other = idm()\n")).unwrap();
+    let check = |arguments: &[&str]| {
+        let output = falsify(&[&["check", "--driver"], arguments].concat(), here);
+        (output.status.code(), said(&output))
+    };
+    let greetings = || {
+        let text = std::fs::read_to_string(here.join("greeted.jsonl")).unwrap_or_default();
+        let _ = std::fs::remove_file(here.join("greeted.jsonl"));
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect::<Vec<serde_json::Value>>()
+    };
+    let (code, text) = check(&["mine", "all.scn"]);
+    assert!(code == Some(3) && text.contains("error[external-not-allowed]") && greetings().is_empty(), "{text}");
+
+    let (code, text) = check(&["mine", "--allow-external", "all.scn"]);
+    assert_eq!((code, text.matches("FAIL").count()), (Some(0), 0), "{text}");
+    for town in ["harbour", "real"] {
+        assert!(text.contains(&format!("ok    drives 4 episodes in {town} to their end")), "{text}");
+    }
+    assert!(!text.contains("at once"), "{text}");
+    let found = greetings();
+    let towns: Vec<&str> = found.iter().map(|hello| hello["town"].as_str().unwrap()).collect();
+    assert_eq!(towns, ["harbour", "harbour", "real", "real", "empty_road"]);
+    for hello in &found {
+        assert_eq!(
+            (&hello["worlds"], &hello["route_points"], &hello["parameters"]["gap"]),
+            (&1.into(), &12.into(), &0.5.into())
+        );
+        assert_eq!(hello["vehicle"]["length"], 2.0 * 2.450_842);
+        // 0.7 of 70 degrees.
+        assert!((hello["vehicle"]["greatest_wheel_angle"].as_f64().unwrap() - 0.855_211).abs() < 1e-6);
+    }
+    let map = std::fs::canonicalize(here.join("maps/real.xodr")).unwrap();
+    let record = results::report::FileRecord::new(String::new(), &std::fs::read(&map).unwrap());
+    assert_eq!(found[2]["map"], serde_json::json!({ "file": map, "blake3": record.blake3 }));
+    assert!(found[0]["map"].is_null() && found[4]["map"].is_null());
+
+    let (code, text) = check(&["mine", "--allow-external", "alone.scn"]);
+    assert!(code == Some(0) && text.contains("no campaign of the files uses it"), "{text}");
+    assert!(greetings().iter().all(|hello| hello["vehicle"]["length"] == 2.0 * 2.395_890));
+    // A driver of ours is tried by the same path.
+    let (code, text) = check(&["other", "--allow-external", "alone.scn"]);
+    assert!(code == Some(0) && text.contains("ok    follows its lane there to the end"), "{text}");
+
+    let (code, text) = check(&["mime", "all.scn", "--allow-external"]);
+    assert!(code == Some(2) && text.contains("declare no driver `mime`; did you mean `mine`?"), "{text}");
+    std::fs::remove_file(here.join("greeted.py")).unwrap();
+    let (code, text) = check(&["mine", "--allow-external", "alone.scn"]);
+    assert!(code == Some(3) && text.contains("greeted.py"), "{text}");
 }
 
 #[needs(python)]

@@ -1,5 +1,14 @@
 //! Writing of an ONNX file: fields with bytes and with numbers, as protocol buffers have them.
 
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use episode::walker::Random;
+use episode::{Draw, Outcome, Phase, Scenario, Simulation, Trace, evaluate_observed};
 use world::av::onnx::Model;
 
 fn varint(mut number: u64) -> Vec<u8> {
@@ -52,13 +61,15 @@ fn plain(kind: &str, inputs: &[&str], output: &str) -> Vec<u8> {
     node(kind, inputs, output, &[])
 }
 
+/// The declaration of an input (11) or an output (12) of a network.
+fn value(place: u8, name: &str, shape: [i64; 2]) -> Vec<u8> {
+    let dimensions: Vec<u8> = shape.iter().flat_map(|size| field(1, &number(1, *size))).collect();
+    let tensor = [number(1, 1), field(2, &dimensions)].concat();
+    field(place, &[field(1, name.as_bytes()), field(2, &field(1, &tensor))].concat())
+}
+
 /// A network from `ego` to `y` with these parts of its graph.
 fn model(parts: &[Vec<u8>]) -> Vec<u8> {
-    let value = |place: u8, name: &str, shape: [i64; 2]| {
-        let dimensions: Vec<u8> = shape.iter().flat_map(|size| field(1, &number(1, *size))).collect();
-        let tensor = [number(1, 1), field(2, &dimensions)].concat();
-        field(place, &[field(1, name.as_bytes()), field(2, &field(1, &tensor))].concat())
-    };
     let graph = [parts.concat(), value(11, "ego", [1, 4]), value(12, "y", [1, 2])].concat();
     [number(1, 8), field(7, &graph), field(8, &number(2, 21))].concat()
 }
@@ -154,6 +165,147 @@ fn one_of_several_outputs_is_chosen_by_its_name() {
     assert!(refused(Some("z")).contains("4 numbers"), "{}", refused(Some("z")));
     assert_eq!(refused(Some("y")), "");
     assert_eq!(world::av::onnx::outputs(file.clone()), ["z", "y"]);
+}
+
+/// A gated recurrent unit of two cells, which steers by half of the second, and a counter: the acceleration is 0.1 of the ticks up to now.
+fn recurrent() -> Vec<u8> {
+    let gate = |kind: &str, gate: &str| {
+        let [seen, kept, sum] = ["x", "h", "s"].map(|part| format!("{part}{gate}"));
+        [
+            plain("MatMul", &["ego", "w"], &seen),
+            plain("MatMul", &["cell_in", "u"], &kept),
+            plain("Add", &[&seen, &kept], &sum),
+            plain(kind, &[&sum], gate),
+        ]
+        .concat()
+    };
+    model(&[
+        floats("w", &[4, 2], &[0.1; 8]),
+        floats("u", &[2, 2], &[0.2; 4]),
+        floats("one", &[1, 1], &[1.0]),
+        floats("push", &[1, 2], &[0.1, 0.0]),
+        floats("turn", &[1, 2], &[0.0, 0.5]),
+        gate("Sigmoid", "z"),
+        gate("Tanh", "n"),
+        plain("Sub", &["n", "cell_in"], "way"),
+        plain("Mul", &["z", "way"], "step"),
+        plain("Add", &["cell_in", "step"], "cell_out"),
+        plain("Add", &["ticks_in", "one"], "ticks_out"),
+        plain("Mul", &["ticks_out", "push"], "pushed"),
+        plain("Mul", &["cell_out", "turn"], "turned"),
+        plain("Add", &["pushed", "turned"], "y"),
+        value(11, "cell_in", [1, 2]),
+        value(11, "ticks_in", [1, 1]),
+        value(12, "cell_out", [1, 2]),
+        value(12, "ticks_out", [1, 1]),
+    ])
+}
+
+/// A car at rest with nobody ahead, driven by the network in `a.onnx` for a second.
+const SECOND: &str = "\
+edition 1
+town plain { street along { through: [(0 m, 0 m), (100 m, 0 m), (200 m, 0 m)] } }
+driver learnt = onnx(model: \"a.onnx\", worlds: WORLDS)
+vehicle car = generic()
+body walker { }
+spawn behind { ego_speed: 0 m/s  bearing: 180 deg  distance: 30 m }
+episode brief { ticks: 20  hold: 10 }
+campaign c {
+  vehicle: car  body: walker  spawn: behind  episode: brief
+  evaluate { towns: [plain]  drivers: [learnt]  pedestrians: [random]  episodes: 3 }
+}
+";
+
+fn driven(folder: &Path, worlds: &str) -> Arc<Scenario> {
+    let file = folder.join("a.scn");
+    std::fs::write(folder.join("a.onnx"), recurrent()).unwrap();
+    std::fs::write(&file, SECOND.replace("WORLDS", worlds)).unwrap();
+    let compiled = compile(&[file], &Catalog::builtin(), &program::session::Disk, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
+}
+
+/// Speed after 20 ticks of 0.05 s with 0.1, 0.2, … 2 m/s².
+const AFTER_A_SECOND: f64 = 0.05 * 0.1 * 210.0;
+
+#[test]
+fn a_recurrent_network_carries_its_state_from_tick_to_tick_and_not_into_the_next_episode() {
+    let place = tempfile::tempdir().unwrap();
+    for worlds in ["1", "2"] {
+        let scenario = driven(place.path(), worlds);
+        let seed = Seed::root(3);
+        let mut note = |_: u32, outcome: &Outcome, trace: &Trace| {
+            assert_eq!((outcome.fault(), outcome.ticks), (None, 20));
+            let frames = trace.vehicle(0);
+            assert!((frames[20].state.speed - AFTER_A_SECOND).abs() < 1e-5, "{}", frames[20].state.speed);
+            let limit = 30.0 / 3.6;
+            let mut cell = 0.0_f64;
+            for (before, after) in frames.iter().zip(&frames[1..]) {
+                let sum = 0.1 * (before.state.speed + limit) + 0.2 * (cell + cell);
+                cell += (libm::tanh(sum) - cell) / (1.0 + libm::exp(-sum));
+                assert!(
+                    (after.driven.control.steer - 0.5 * cell).abs() < 1e-6,
+                    "{} and {cell}",
+                    after.driven.control.steer
+                );
+            }
+            // It remembers: with the state of the start the cell is less.
+            assert!(cell > 0.7 && frames[1].driven.control.steer < 0.25, "{cell}");
+        };
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let all = evaluate_observed(&mut Random::default(), &scenario, 0..3, &seed, &seed, &mut note, go_on);
+        assert_eq!(all.len(), 3);
+    }
+}
+
+#[test]
+fn the_state_of_a_recurrent_network_is_part_of_a_snapshot() {
+    let place = tempfile::tempdir().unwrap();
+    let mut simulation = driven(place.path(), "1").simulation();
+    simulation.start(Draw::new(&Seed::root(3), 0));
+    let drive = |simulation: &mut dyn Simulation, ticks: u32| {
+        while simulation.scene().world.ticks < ticks {
+            if simulation.phase() == Phase::Decision {
+                let commands = simulation.scene().commands().to_vec();
+                simulation.decide(&commands);
+            }
+            simulation.tick();
+        }
+        simulation.scene().world.ego().state
+    };
+    drive(&mut *simulation, 7);
+    let mut copy = simulation.snapshot().unwrap();
+    let ended = drive(&mut *copy, 20);
+    assert!((ended.speed - AFTER_A_SECOND).abs() < 1e-5, "{}", ended.speed);
+    assert_eq!(drive(&mut *simulation, 20), ended);
+}
+
+#[test]
+fn a_check_says_what_a_network_carries() {
+    let place = tempfile::tempdir().unwrap();
+    driven(place.path(), "1");
+    let output = crate::program::falsify(&["check", "a.scn"], place.path());
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let said =
+        "driver learnt carries `cell` [1, 2], `ticks` [1, 1] from tick to tick, from 0 at the start of an episode\n";
+    assert!(output.status.success() && text.contains(said), "{text}");
+}
+
+#[test]
+fn states_that_do_not_fit_are_refused() {
+    let refused = |file: Vec<u8>| Model::read(file, None).err().map(|error| error.to_string()).unwrap_or_default();
+    assert_eq!(refused(recurrent()), "");
+    // One is added to two numbers, and the output has the shape of both.
+    let wide = [floats("two", &[1, 2], &[1.0; 2]), plain("Add", &["a_in", "two"], "a_out")].concat();
+    let wide = [wide, value(11, "a_in", [1, 1]), value(12, "a_out", [1, 2])].concat();
+    let said = "it cannot be run: its state `a_in` has the shape [1, 1], and `a_out` [1, 2]";
+    assert_eq!(refused(driving(&[wide])), said);
+    let huge =
+        [plain("Relu", &["a_in"], "a_out"), value(11, "a_in", [300, 300]), value(12, "a_out", [300, 300])].concat();
+    let said = "its input `a_in` is none of `ego`, `actors`, `route`, and no state: at most 65536 numbers `NAME_in` with an output `NAME_out`";
+    assert_eq!(refused(driving(&[huge])), said);
+    let lonely = value(11, "a_in", [1, 1]);
+    assert_eq!(refused(driving(&[lonely])), said);
 }
 
 #[test]

@@ -88,6 +88,10 @@ class Frame:
 
     def steer(self, vehicle: dict[str, float]) -> Array:
         """Steering along the route by pure pursuit, -1 to 1, positive to the left."""
+        return self.wheel(vehicle) / vehicle["greatest_wheel_angle"]
+
+    def wheel(self, vehicle: dict[str, float]) -> Array:
+        """The same as an angle of the front wheels (rad)."""
         worlds = np.arange(len(self.ids))
         reach = AHEAD[0] + AHEAD[1] * self.speed
         index = np.minimum(np.ceil(reach / APART).astype(np.int64), np.maximum(self.points - 1, 0))
@@ -98,7 +102,8 @@ class Frame:
         y = target[:, 1] + beyond * np.sin(target[:, 2]) - self.ego[:, 1]
         angle = np.arctan2(y, x) - self.ego[:, 2]
         wheel = np.arctan2(2.0 * vehicle["wheelbase"] * np.sin(angle), np.hypot(x, y))
-        return np.where(self.points > 0, np.clip(wheel / vehicle["greatest_wheel_angle"], -1.0, 1.0), 0.0)
+        most = vehicle["greatest_wheel_angle"]
+        return np.where(self.points > 0, np.clip(wheel, -most, most), 0.0)
 
 
 class _Segments:
@@ -140,16 +145,18 @@ class _Segments:
         return self.before[world, best] + on[rows, best], left[rows, best], self.headings[world, best], bend
 
 
-def serve(name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[Array, ...]]], control: str = "acceleration") -> None:
+def serve(
+    name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[Array, ...]]], control: str = "acceleration", wheel_angle: bool = False
+) -> None:
     """Answer the frames on the standard input until it ends.
 
     ``start`` gets the greeting of the program and returns a function from a frame to accelerations (m/s^2) and steers, one for each world; with the
-    control ``pedals`` to throttles, brakes and steers.
+    control ``pedals`` to throttles, brakes and steers; with ``wheel_angle`` to angles of the front wheels (rad) instead of steers.
     """
     source, out = sys.stdin.buffer, answers()
     hello = json.loads(source.readline())
     decide = start(hello)
-    greeting = {"protocol": hello["protocol"], "name": name, "encoding": "binary", "control": control, "revision": 2}
+    greeting = {"protocol": hello["protocol"], "name": name, "encoding": "binary", "control": control, "wheel_angle": wheel_angle, "revision": 2}
     out.write(json.dumps(greeting).encode() + b"\n")
     out.flush()
     actors, points = int(hello["actors"]), int(hello["route_points"])

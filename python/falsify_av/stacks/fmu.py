@@ -93,8 +93,9 @@ class Fmu:
         return Apart(make) if self.is_apart else make()
 
     def decide(self, frame: Frame) -> tuple[Array, ...]:
-        """A tick of all worlds: accelerations (m/s^2), or throttles and brakes, and steers."""
-        allowed, steer, users = self._allowed(frame), frame.steer(self.vehicle), seen(frame, self.vehicle)
+        """A tick of all worlds: accelerations (m/s^2), or throttles and brakes, and steers, or angles of the wheels (rad)."""
+        allowed, users, is_angle = self._allowed(frame), seen(frame, self.vehicle), self.links.is_angle
+        turn = frame.wheel(self.vehicle) if is_angle else frame.steer(self.vehicle)
         follower = np.where(frame.points > 0, np.clip(2.0 * (allowed - frame.speed), -HARD, PULL), -HARD)
         pushes = np.zeros((2, len(frame.ids)))
         for row, number in enumerate(frame.ids.tolist()):
@@ -102,10 +103,10 @@ class Fmu:
             near = {user: found.get(row, []) for user, found in users.items()}
             answers = self._ask(number, bool(frame.starts[row]), own, float(frame.ego[row, 2]), near)
             pushes[:, row] = self._push(answers, float(follower[row]), own["ego.speed"])
-            wheel = answers.get("car.wheel", math.nan) / self.vehicle["greatest_wheel_angle"]
+            most = self.vehicle["greatest_wheel_angle"] if is_angle else 1.0
             if "car.steer" in answers or "car.wheel" in answers:
-                steer[row] = np.clip(answers.get("car.steer", wheel), -1.0, 1.0)
-        return (*pushes, steer) if self.links.is_pedals else (pushes[0], steer)
+                turn[row] = np.clip(answers.get("car.wheel" if is_angle else "car.steer", math.nan), -most, most)
+        return (*pushes, turn) if self.links.is_pedals else (pushes[0], turn)
 
     def _allowed(self, frame: Frame) -> Array:
         """The speed that limits, bends and lights ahead allow (m/s)."""
@@ -171,4 +172,4 @@ def main(words: list[str]) -> None:
         from .fmu_trial import tried
 
         raise SystemExit(tried(lambda hello: Fmu(hello, file, links, given.step)))
-    serve(f"fmu_{file.model.modelName}", lambda hello: Fmu(hello, file, links, given.step).decide, "pedals" if links.is_pedals else "acceleration")
+    serve(f"fmu_{file.model.modelName}", lambda hello: Fmu(hello, file, links, given.step).decide, "pedals" if links.is_pedals else "acceleration", links.is_angle)

@@ -97,6 +97,11 @@ class Links:
         """Whether it answers with pedals."""
         return any(each.quantity in ("car.throttle", "car.brake") for each in self.outputs)
 
+    @property
+    def is_angle(self) -> bool:
+        """Whether it answers with the angle of the front wheels."""
+        return any(each.quantity == "car.wheel" for each in self.outputs)
+
 
 def linked(words: Iterable[str], model: Model) -> Links:
     """Read `NAME=QUANTITY` and `NAME=VALUE`.
@@ -181,8 +186,8 @@ def _check_outputs(links: Links, model: Model) -> None:
         names = [each.name for each in model.modelVariables if each.causality == "output"]
         raise SystemExit(f"no output of the FMU drives the car: write NAME=QUANTITY, NAME being one of {', '.join(names)}, and QUANTITY one of {', '.join(CAR)}")
     forces = [name for name in answered if name in ("car.acceleration", "car.deceleration", "car.speed")]
-    if len(set(answered)) < len(answered) or (links.is_pedals and forces):
-        raise SystemExit(f"the outputs stand for {', '.join(answered)}: give each once, and pedals or accelerations, not both")
+    if len(set(answered)) < len(answered) or (links.is_pedals and forces) or (links.is_angle and "car.steer" in answered):
+        raise SystemExit(f"the outputs stand for {', '.join(answered)}: give each once, pedals or accelerations, and one of car.steer and car.wheel")
 
 
 def _link(word: str, variable: Variable, found: re.Match[str] | None, known: Mapping[str, str], model: Model) -> Link:

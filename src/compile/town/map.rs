@@ -5,7 +5,7 @@ use base::diagnostic::Diagnostic;
 use base::keys;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics};
-use road::{AssumedLimit, TownParts, opendrive};
+use road::{AssumedLimit, MapFile, TownParts, opendrive};
 
 keys! {
     /// A town from an OpenDRIVE map, with its speed limits and its signs. Such maps hold no buildings; they can be added here.
@@ -44,7 +44,7 @@ pub(super) fn read(
         lang::reason(&error)
     });
     match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
-        Ok(parts) => {
+        Ok(mut parts) => {
             // What has no effect is listed by `falsify preview`; it is not a mistake of the file.
             let mistakes = parts.warnings.iter().filter(|warning| !warning.problem.is_unused());
             let assumed = AssumedLimit::of(&parts.roads, &parts.speed_signs).map(|assumed| assumed.to_string());
@@ -52,6 +52,8 @@ pub(super) fn read(
             if !warnings.is_empty() {
                 said.push(diagnostics::map_warning(place, shown, &warnings));
             }
+            let blake3 = parts.map.as_ref().map(|text| blake3::hash(text.as_bytes()).to_hex().to_string());
+            parts.map_file = blake3.map(|blake3| MapFile { path: reader.identity(file), blake3 });
             Some(parts)
         }
         Err(reason) => {

@@ -12,6 +12,7 @@ use crate::session::{Event, Input, Observer, Session, Stage};
 use compile::Catalog;
 use episode::MapWriter;
 use process::ProcessOpener;
+use world::av::external::Opener;
 
 /// Options that replace parts of the files.
 #[derive(Debug, Args)]
@@ -62,9 +63,14 @@ pub fn catalog() -> Catalog {
 
 /// A session that reports on the error stream, with progress on a terminal alone, and stops at Ctrl-C.
 pub fn session(allow_external: bool) -> Session {
-    session_in(match allow_external {
-        true => without_programs().with_opener(Arc::new(ProcessOpener::of_program())),
-        false => without_programs(),
+    session_through(allow_external.then(|| Arc::new(ProcessOpener::of_program()) as Arc<dyn Opener>))
+}
+
+/// The same; scenarios start programs through this opener, if there is one.
+pub fn session_through(opener: Option<Arc<dyn Opener>>) -> Session {
+    session_in(match opener {
+        Some(opener) => without_programs().with_opener(opener),
+        None => without_programs(),
     })
 }
 

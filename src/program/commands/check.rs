@@ -6,19 +6,21 @@ mod sample;
 mod fix;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
 use crate::cli::console;
 use crate::cli::failure::{failed, misused};
-use crate::cli::input::{GivenArgs, checking_session};
+use crate::cli::input::{GivenArgs, checking_session, session_through};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Checked, Disk, Error};
 use base::diagnostic::records;
 use base::files;
-use driver_trial::{TrialArgs, try_driver};
+use driver_trial::{TrialArgs, try_declared, try_driver};
 use fix::fix;
 use lang::{Reader, reason};
+use world::av::external::Opener;
 use world_trial::{compare_lanes, try_world};
 
 pub const EXAMPLES: &str = "\
@@ -32,6 +34,9 @@ Examples:
   falsify check -- python3 my_av.py          see whether a driver of your own speaks the protocol of
                                              scenarios/external/README.md and drives the same way twice
   falsify check --driver sumo                the same for a driver that others wrote; says what is not installed
+  falsify check my.scn --driver mine --allow-external
+                                             the same for a driver of a file, as it is declared there: its keys,
+                                             parameters, sensors and number of worlds, its towns and its car
   falsify check --world 'python3 mine.py'    see whether a bridge to another simulator speaks the protocol of
                                              docs/src/how-to/worlds.md, and moves cars and pedestrians as it is told
   falsify check --world metadrive my.scn     compare the lanes of the towns in a file
@@ -45,17 +50,17 @@ pub struct CheckArgs {
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
     /// Scenario files; `-` is the standard input.
-    #[arg(required_unless_present = "tried", conflicts_with_all = ["driver", "stack"], value_name = "FILE")]
+    #[arg(required_unless_present = "tried", conflicts_with = "driver", value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Replacements of parts of the files.
     #[command(flatten)]
     pub given: GivenArgs,
     /// Apply each repair that a message offers without an alternative, then check again.
-    #[arg(long, conflicts_with_all = ["map", "set"])]
+    #[arg(long, conflicts_with_all = ["map", "set", "tried"])]
     pub fix: bool,
     /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint. This includes spawns that
     /// cannot place a pedestrian.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(long, value_name = "N", conflicts_with = "tried", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub sample: Option<u32>,
     /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
     #[arg(long, short, default_value = ".", value_name = "DIR", requires = "sample")]
@@ -105,7 +110,8 @@ pub fn check(options: &CheckArgs) -> Ended {
             compare_lanes(options, world)
         };
     }
-    if let Some(words) = options.trial.words() {
+    let words = options.trial.words().filter(|_| options.files.is_empty());
+    if let Some(words) = words {
         return Ok(try_driver(&options.trial, words));
     }
     // The words of a driver's command without `--` before them.
@@ -122,7 +128,10 @@ pub fn check(options: &CheckArgs) -> Ended {
         )));
     }
     let input = options.given.input(&options.files);
-    let mut session = checking_session(options.given.allow_external);
+    let declared = options.trial.stack.as_deref();
+    let opener = || options.given.allow_external.then(|| Arc::new(options.trial.opener()) as Arc<dyn Opener>);
+    let checking = || checking_session(options.given.allow_external);
+    let mut session = declared.map_or_else(checking, |_| session_through(opener()));
     if options.files.iter().any(|file| file.as_os_str() == INPUT) {
         if options.fix {
             return Err(misused("--fix changes files, and `-` is the standard input"));
@@ -130,6 +139,9 @@ pub fn check(options: &CheckArgs) -> Ended {
         let text = files::text_of(std::io::stdin());
         let text = text.map_err(|error| misused(format!("cannot read the standard input: {}", reason(&error))))?;
         session = session.with_reader(InputAndFiles(text));
+    }
+    if let Some(name) = declared {
+        return try_declared(&session.plan(&input).map_err(failed)?.plan, name).map_err(misused);
     }
     let found = if options.fix { fix(&session, &input)? } else { session.check(&input).map_err(failed)? };
     let checked = match options.format {
@@ -158,6 +170,8 @@ fn for_people(found: &Checked) -> ExitCode {
     let campaigns = console::count(plan.campaigns.len(), "campaign");
     plan.settings.iter().for_each(|setting| console::note(&setting.to_string()));
     console::say(&format!("{files} and {campaigns} checked: no errors"));
+    let carried = plan.drivers.iter().filter_map(|driver| Some((&driver.name, driver.carries.as_ref()?)));
+    carried.for_each(|(name, carries)| console::say(&format!("driver {name} {carries}")));
     if plan.campaigns.is_empty() && !plan.imported_campaigns.is_empty() {
         console::say(&plan.without_campaigns());
     }

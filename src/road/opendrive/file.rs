@@ -73,6 +73,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         obstacles,
         warnings: context.into_warnings(),
         map: Some(xml.into()),
+        map_file: None,
     })
 }
 

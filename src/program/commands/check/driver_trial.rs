@@ -1,7 +1,6 @@
 //! The conformance test of an external driver: real episodes in a small town, a check that they repeat, and an empty road that it has to follow.
 
 use std::cell::Cell;
-use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
@@ -10,18 +9,21 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
 
-use super::empty_road::{self, told};
+use super::empty_road::{self, Mishaps, told};
 use crate::cli::{console, interrupt};
 use crate::exit_code::ExitCode;
-use crate::session::seconds;
+use crate::session::{named, seconds};
 use base::diagnostic::Sources;
-use base::seed::Seed;
-use compile::{Catalog, Training, compile};
-use episode::walker::Random;
-use episode::{Outcome, Scenario, Trace, evaluate_observed};
+use base::seed::{Seed, Stream};
+use base::suggest::nearest;
+use compile::{Catalog, NamedDriver, Plan, Training, compile};
+use episode::walker::{Random, WalkPolicy};
+use episode::{LeftOut, Outcome, PolicyMaker, Scenario, Scene, Trace, evaluate_observed};
 use process::{ProcessOpener, missing_package, used_seconds};
+use verdict::LaneDeparture;
 use world::av::Fault;
 use world::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
+use world::sim::{VehicleState, WalkCommand};
 
 /// Options of the trial of a driver.
 #[derive(Debug, Args)]
@@ -29,13 +31,14 @@ pub struct TrialArgs {
     /// Try a driver instead: the program and its arguments, after `--`.
     #[arg(last = true, value_name = "DRIVER", group = "tried")]
     pub driver: Vec<String>,
-    /// Try a driver that others wrote, by its name in the Python package: sumo, openpilot_like, pdm_closed, fiss, commonroad.
+    /// With files, try a driver that they declare, as they declare it; without, one that others wrote, by its name in the Python package: sumo,
+    /// openpilot_like, pdm_closed, fiss, commonroad.
     #[arg(long = "driver", value_name = "NAME", group = "tried")]
     pub stack: Option<String>,
     /// Try a bridge to another simulator: a name of the Python package, as metadrive, or a command. With files, compare the lanes of their towns.
     #[arg(long, value_name = "WORLD", group = "tried")]
     pub world: Option<String>,
-    /// Time limit of the driver's answer to a tick, in seconds.
+    /// Time limit of the driver's answer to a tick, in seconds; a declared driver has its own.
     #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds, requires = "tried")]
     pub timeout: f64,
     /// Time limit of the greeting; of a bridge also of loading a town and of the start of an episode; in seconds.
@@ -47,16 +50,14 @@ pub struct TrialArgs {
 }
 
 impl TrialArgs {
-    /// The words of the driver that is to be tried, if one is.
+    /// The words of the program that is to be tried, if one is.
     pub fn words(&self) -> Option<Vec<String>> {
         match &self.stack {
             Some(name) => Some([&PYTHON[..], &[name]].concat().into_iter().map(String::from).collect()),
             None => (!self.driver.is_empty()).then(|| self.driver.clone()),
         }
     }
-}
 
-impl TrialArgs {
     /// Starts what is tried, and shows its first messages if they are asked for.
     pub(super) fn opener(&self) -> Overhearing {
         let left = if self.show { SHOWN } else { 0 };
@@ -104,11 +105,11 @@ reward any { on touch => 1 }
 training none = ppo()
 campaign check {
   vehicle: car body: walker spawn: ahead episode: half_a_minute training: none
-  train { towns: [proving_ground, empty_road] drivers: [placeholder] rewards: [any] }
+  train { towns: [proving_ground, empty_road] drivers: [placeholder] rewards: [any] runs: 1 }
 }
 ";
 
-/// Number of episodes in each run, and of parallel episodes in the last trial.
+/// Number of episodes in each run, in all towns together, and at most of parallel episodes in the last trial.
 const EPISODES: u32 = 8;
 
 /// Number of messages that `--show` prints, and the length of each (bytes).
@@ -118,8 +119,8 @@ const SHOWN_BYTES: usize = 600;
 /// `falsify check -- DRIVER`
 pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
     let program = Program { words, folder: ".".into(), ..Program::default() };
-    let settings =
-        Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
+    let (timeout, start_timeout, worlds) = (options.timeout, options.start_timeout, EPISODES as usize);
+    let settings = Settings { timeout, start_timeout, worlds, ..Settings::default() };
     console::say(&format!("driver {}", program.words.join(" ")));
     if let Some(Err(reason)) = options.stack.as_deref().map(installed) {
         return failed(&format!("is installed: {reason}"));
@@ -129,57 +130,136 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
     if let Err(reason) = opener.find(&program) {
         return failed(&format!("could be started: {reason}"));
     }
-    let [ground, road] = proving_grounds();
-    let drive = |worlds: usize| {
-        let program = program.clone();
-        let opener = opener.clone();
-        let settings = Settings { worlds, ..settings };
-        let maker = move || {
-            Box::new(External::new(program.clone(), settings, opener.clone())) as Box<dyn world::av::DrivingPolicy>
-        };
-        let mut scenario = ground.clone();
-        scenario.cast.vehicles[0].policy = Arc::new(maker);
-        let scenario = Arc::new(scenario);
-        let seed = Seed::root(1);
-        let began = used_seconds();
-        let mut walker = Random::default();
-        // One failure is enough; the others would show the same.
-        let fell = Cell::new(false);
-        let note = &mut |_: u32, outcome: &Outcome, _: &Trace| {
-            fell.set(fell.get() || outcome.fault().is_some());
-            *outcome
-        };
-        let go_on = &mut |_| if fell.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let outcomes =
-            evaluate_observed(&mut walker, &scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
-        let ticks: u32 = outcomes.iter().map(|outcome| outcome.ticks).sum();
-        (outcomes, f64::from(ticks) / (used_seconds() - began))
-    };
+    let policy: PolicyMaker = Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone())));
+    let [ground, _] = proving_grounds();
+    tried(&policy, vec![(String::new(), ground)], &format!("greets as {PROTOCOL} and "))
+}
 
-    let (first, alone) = drive(1);
-    if let Some(reason) = first_fault(&first) {
-        return failed(&format!("drives {EPISODES} episodes to their end: {reason}"));
+/// `falsify check FILES --driver NAME`: as the files declare it, in the towns and the car of the campaigns that use it.
+///
+/// # Errors
+/// They declare no such driver.
+pub fn try_declared(plan: &Plan, name: &str) -> Result<ExitCode, String> {
+    let Some(NamedDriver { policy, carries, .. }) = plan.drivers.iter().find(|driver| driver.name == name) else {
+        let names: Vec<String> = plan.drivers.iter().map(|driver| driver.name.clone()).collect();
+        let near = nearest(name, names.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
+        let help = near.unwrap_or_else(|| format!("they declare {}", named(&names)));
+        return Err(format!("the files declare no driver `{name}`; {help}"));
+    };
+    let users = plan.campaigns.iter().filter(|campaign| campaign.drivers.iter().any(|driver| driver.name == name));
+    let places = users.flat_map(|campaign| campaign.starts());
+    let mut places: Vec<(String, Scenario)> =
+        places.map(|(town, scenario)| (format!(" in {town}"), (**scenario).clone())).collect();
+    console::say(format!("driver {name} {}", carries.as_deref().unwrap_or_default()).trim_end());
+    if places.is_empty() {
+        console::say("        no campaign of the files uses it: it drives a Model 3 on a crossing");
+        let [ground, _] = proving_grounds();
+        places.push((String::new(), ground));
     }
-    passed(&format!("greets as {PROTOCOL} and drives {EPISODES} episodes to their end"));
-    let (second, _) = drive(1);
-    let again = "drives the same way when the same seeds come again";
-    if let Some(reason) = first_difference(&first, &second) {
-        return failed(&format!("{again}: {reason}"));
+    interrupt::end_when_asked();
+    Ok(tried(policy, places, ""))
+}
+
+/// Walks at random, in one world at a time.
+#[derive(Default)]
+struct Alone(Random);
+
+impl WalkPolicy for Alone {
+    fn begin(&mut self, stream: Stream) {
+        self.0.begin(stream);
     }
-    passed(again);
-    let (company, together) = drive(EPISODES as usize);
-    let at_once = format!("drives the same way when it is asked about {EPISODES} worlds at once");
-    if let Some(reason) = first_difference(&first, &company) {
-        return failed(&format!("{at_once}: {reason}"));
+
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        self.0.choose(scene, commands);
     }
-    passed(&at_once);
-    let mut driver = External::new(program, Settings { worlds: 1, ..settings }, opener);
-    if let Err(reason) = empty_road::follow(&road, &mut driver, &Seed::root(1).child("road")) {
-        return failed(&format!("follows an empty road with a bend and a turn: {reason}"));
+}
+
+/// What a driver did in some episodes.
+#[derive(Default)]
+pub(super) struct Driven {
+    pub outcomes: Vec<Outcome>,
+    /// How far the cars got from their starts (m).
+    pub ways: f64,
+    /// In how many episodes the centre left its lane, and a part of the body the road.
+    left: [u32; 2],
+    /// Time of the processor (s).
+    seconds: f64,
+}
+
+/// Lets the driver of a scenario drive from seeds that are always the same.
+pub(super) fn driven(walker: &mut dyn WalkPolicy, scenario: &Arc<Scenario>, episodes: u32) -> Driven {
+    let (seed, began, mut found) = (Seed::root(1), used_seconds(), Driven::default());
+    // One failure is enough; the others would show the same.
+    let fell = Cell::new(false);
+    let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| {
+        fell.set(fell.get() || outcome.fault().is_some());
+        let departure = LaneDeparture::new(&trace.main_pair(scenario));
+        let (town, blueprint) = (&scenario.town, &scenario.cast.ego().blueprint);
+        let is_off = |car: &VehicleState| town.inside_road(&car.outline(blueprint), car.ground) < 0.0;
+        // Past the end of the map there is neither.
+        if outcome.left_out != Some(LeftOut::RoadEnd) {
+            found.left[0] += u32::from(departure.is_some_and(|departure| departure.left_lane > 0.0));
+            found.left[1] += u32::from(trace.vehicle(0).iter().any(|frame| is_off(&frame.state)));
+        }
+        if let [first, .., last] = trace.vehicle(0) {
+            found.ways += (last.state.pose.position() - first.state.pose.position()).norm();
+        }
+        *outcome
+    };
+    let go_on = &mut |_| if fell.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let outcomes = evaluate_observed(walker, scenario, 0..episodes, &seed, &seed.child("walker"), note, go_on);
+    Driven { outcomes, seconds: used_seconds() - began, ..found }
+}
+
+/// Lets a driver drive in some places, and on an empty road in the car of the first. `greets` is what a program has done before.
+fn tried(policy: &PolicyMaker, places: Vec<(String, Scenario)>, greets: &str) -> ExitCode {
+    let [_, mut road] = proving_grounds();
+    road.cast.vehicles[0].blueprint = places[0].1.cast.ego().blueprint.clone();
+    let episodes = (EPISODES / places.len() as u32).max(2);
+    let worlds = policy().batch_size().min(episodes as usize);
+    let (mut ticks, mut alone, mut together) = (0.0, 0.0, 0.0);
+    for (town, mut scenario) in places {
+        scenario.cast.vehicles[0].policy = policy.clone();
+        let scenario = Arc::new(scenario);
+        let first = driven(&mut Alone::default(), &scenario, episodes);
+        if let Some(reason) = first_fault(&first.outcomes) {
+            return failed(&format!("drives {episodes} episodes{town} to their end: {reason}"));
+        }
+        passed(&format!("{greets}drives {episodes} episodes{town} to their end"));
+        let [lane, off] = first.left;
+        console::say(&format!("        its centre left its lane in {lane} of them, its body the road in {off}"));
+        let again = format!("drives the same way{town} when the same seeds come again");
+        let second = driven(&mut Alone::default(), &scenario, episodes);
+        if let Some(reason) = first_difference(&first.outcomes, &second.outcomes) {
+            return failed(&format!("{again}: {reason}"));
+        }
+        passed(&again);
+        if worlds > 1 {
+            let at_once = format!("drives the same way{town} when it is asked about {worlds} worlds at once");
+            let company = driven(&mut Random::default(), &scenario, episodes);
+            if let Some(reason) = first_difference(&first.outcomes, &company.outcomes) {
+                return failed(&format!("{at_once}: {reason}; `worlds: 1` in a scenario asks it about one"));
+            }
+            passed(&at_once);
+            together += company.seconds;
+        }
+        ticks += first.outcomes.iter().map(|outcome| f64::from(outcome.ticks)).sum::<f64>();
+        alone += first.seconds;
     }
-    passed("follows an empty road with a bend and a turn");
-    console::say(&format!("        {alone:.0} ticks a CPU second alone, {together:.0} with {EPISODES} worlds at once"));
-    ExitCode::Done
+    let Mishaps { off_road, off_lane } = empty_road::follow(&road, &mut *policy(), &Seed::root(1).child("road"));
+    let mut ended = ExitCode::Done;
+    for (what, mishap) in
+        [("stays on an empty road with a bend and a turn", off_road), ("follows its lane there to the end", off_lane)]
+    {
+        match mishap {
+            Some(reason) => ended = failed(&format!("{what}: {reason}")),
+            None => passed(what),
+        }
+    }
+    let at_once = |text| if worlds > 1 { text } else { String::new() };
+    let company = at_once(format!(", {:.0} with {worlds} worlds at once", ticks / together));
+    console::say(&format!("        {:.0} ticks a CPU second alone{company}", ticks / alone));
+    ended
 }
 
 pub(super) fn passed(what: &str) {
@@ -205,14 +285,15 @@ pub(super) fn first_difference(left: &[Outcome], right: &[Outcome]) -> Option<St
 
 /// The crossing and the empty road.
 pub(super) fn proving_grounds() -> [Scenario; 2] {
-    let read = |path: &Path| match path.to_str() {
-        Some("proving_ground.scn") => Ok([CAMPAIGN, CROSSING, empty_road::TOWN].concat()),
-        _ => Err(io::Error::from(io::ErrorKind::NotFound)),
-    };
-    let files = ["proving_ground.scn".into()];
-    let compiled = compile(&files, &Catalog::builtin(), &read, &mut Sources::default());
-    let plan = compiled.ok().and_then(|compiled| compiled.plan).expect("the texts above are sound");
+    let plan = plan_of(&[CAMPAIGN, CROSSING, empty_road::TOWN].concat());
     [0, 1].map(|number| (*plan.campaigns[0].nth::<Training>(number).scenario).clone())
+}
+
+/// The plan of a text that is sound and imports nothing.
+pub(super) fn plan_of(text: &str) -> Plan {
+    let read = |_: &Path| Ok(text.to_owned());
+    let compiled = compile(&["text.scn".into()], &Catalog::builtin(), &read, &mut Sources::default());
+    compiled.ok().and_then(|compiled| compiled.plan).expect("the text is sound")
 }
 
 /// Shows the messages on the links that it opens.
@@ -279,45 +360,5 @@ impl Link for Overheard {
 
     fn note(&self, text: &str) {
         self.inner.note(text);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use world::av::{DrivingMode, DrivingPolicy, Perception};
-    use world::sim::Control;
-
-    struct Constant(Control);
-
-    impl DrivingPolicy for Constant {
-        fn reset(&mut self, _: &Perception<'_>, _: base::seed::Stream) {}
-
-        fn drive(&mut self, _: &Perception<'_>) -> Control {
-            self.0
-        }
-
-        fn mode(&self) -> DrivingMode {
-            DrivingMode::Cruise
-        }
-    }
-
-    #[test]
-    fn an_empty_road_tells_drivers_that_follow_it_from_others() {
-        let [_, road] = proving_grounds();
-        let mut follower = (road.cast.ego().policy)();
-        assert_eq!(empty_road::follow(&road, &mut *follower, &Seed::root(1)), Ok(()));
-        let drive = |throttle: f64, steer: f64| {
-            let control = Control { throttle, brake: 0.0, steer };
-            empty_road::follow(&road, &mut Constant(control), &Seed::root(1)).unwrap_err()
-        };
-        let circles = drive(0.3, 0.3);
-        assert!(
-            circles.starts_with("the car left the road ") || circles.starts_with("the car left its lane "),
-            "{circles}"
-        );
-        assert!(circles.ends_with("m/s: the driver steers constantly 0.30 to the left"), "{circles}");
-        assert!(drive(0.3, 0.0).ends_with("the driver does not steer"));
-        assert_eq!(drive(0.0, 0.0), "the car stood for 120 s");
     }
 }

@@ -35,11 +35,18 @@ struct Drive {
     steer: (f64, f64, f64),
 }
 
+/// What went wrong on the way, as parts of sentences.
+#[derive(Default)]
+pub struct Mishaps {
+    /// How a part of the car's body left the road.
+    pub off_road: Option<String>,
+    /// How its centre left its lane, or why it did not get to the end.
+    pub off_lane: Option<String>,
+}
+
 /// Lets a driver follow the road in the town of a scenario, a left turn at its end.
-///
-/// # Errors
-/// What happened instead, as a part of a sentence.
-pub fn follow(scenario: &Scenario, driver: &mut dyn DrivingPolicy, seed: &Seed) -> Result<(), String> {
+pub fn follow(scenario: &Scenario, driver: &mut dyn DrivingPolicy, seed: &Seed) -> Mishaps {
+    let mut found = Mishaps::default();
     let town = &scenario.town;
     let start = town.nearest_lane(Point::new(START.0, START.1), LaneFilter::Driving).expect("the town has lanes");
     let route = lane_route(town, start, &[RoadOption::Left]).expect("the road ends at a junction");
@@ -57,23 +64,29 @@ pub fn follow(scenario: &Scenario, driver: &mut dyn DrivingPolicy, seed: &Seed) 
         driver.prepare(&perception);
         let control = driver.drive(&perception);
         if let Some(fault) = driver.fault() {
-            return Err(told(fault));
+            return Mishaps { off_lane: Some(told(fault)), ..found };
         }
         world.tick(&[control], &[]);
         let ego = world.ego().state;
         drive.note(world.elapsed(), ego.speed, ego.speed * world.dt, &control);
         let here = ego.pose.position();
         let inside = route.iter().map(|lane| town.inside_lane(*lane, here)).fold(f64::NEG_INFINITY, f64::max);
+        if town.inside_road(&world.ego().outline(), ego.ground) < 0.0 {
+            found.off_road.get_or_insert_with(|| drive.left("the road with a part of its body"));
+        }
         if inside < -ASIDE {
-            let on_road = town.lane_around(here).is_some_and(|lane| lane.inside >= 0.0);
-            return Err(drive.left(if on_road { "its lane" } else { "the road" }));
+            found.off_lane.get_or_insert_with(|| drive.left("its lane"));
+        }
+        if found.off_road.is_some() && found.off_lane.is_some() {
+            return found;
         }
         let around = town.lane_around(here).filter(|lane| lane.place.is_on_lane_of(&end));
         if around.is_some_and(|lane| (lane.place.s - end.s).abs() >= BEHIND) {
-            return Ok(());
+            return found;
         }
     }
-    Err(drive.stopped())
+    found.off_lane.get_or_insert_with(|| drive.stopped());
+    found
 }
 
 /// What the driver of the car perceives, with its route.

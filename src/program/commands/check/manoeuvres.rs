@@ -1,14 +1,11 @@
 //! Manoeuvres of a car in another simulator, in which the bridge compares each tick with what the wheels and pedals are told.
 
-use std::io;
-use std::path::Path;
 use std::sync::Arc;
 
-use super::driver_trial::passed;
+use super::driver_trial::{passed, plan_of};
 use super::empty_road::told;
-use base::diagnostic::Sources;
 use base::seed::{Seed, Stream};
-use compile::{Catalog, Evaluation, compile};
+use compile::Evaluation;
 use episode::{Draw, Outcome, Phase, Scenario};
 use road::geometry::Vector;
 use world::av::{DrivingMode, DrivingPolicy, Fault, Perception};
@@ -71,12 +68,7 @@ impl DrivingPolicy for Parts {
 
 /// The scenarios of the text above, with a car that another simulator moves as `there` says.
 fn scenarios(there: &Scenario) -> [Scenario; 4] {
-    let read = |path: &Path| match path.to_str() {
-        Some("street.scn") => Ok(STREET.to_string()),
-        _ => Err(io::Error::from(io::ErrorKind::NotFound)),
-    };
-    let compiled = compile(&["street.scn".into()], &Catalog::builtin(), &read, &mut Sources::default());
-    let plan = compiled.ok().and_then(|compiled| compiled.plan).expect("the text above is sound");
+    let plan = plan_of(STREET);
     let scenario = |number| Scenario {
         external_world: there.external_world.clone(),
         ..(*plan.campaigns[0].nth::<Evaluation>(number).scenario).clone()

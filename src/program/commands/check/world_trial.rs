@@ -1,10 +1,9 @@
 //! The conformance test of a bridge to another simulator: real episodes in a small town, a check that they repeat, and manoeuvres.
 
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use super::driver_trial::{TrialArgs, failed, first_difference, first_fault, passed, proving_grounds};
+use super::driver_trial::{TrialArgs, driven, failed, first_difference, first_fault, passed, proving_grounds};
 use super::empty_road::told;
 use super::manoeuvres::manoeuvres;
 use super::{CheckArgs, for_people};
@@ -13,9 +12,8 @@ use crate::cli::failure::failed as no_files;
 use crate::cli::input::session;
 use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
-use base::seed::Seed;
 use episode::walker::Random;
-use episode::{Abilities, ExternalWorld, Outcome, PolicyMaker, Scenario, Trace, WORLD_PROTOCOL, evaluate_observed};
+use episode::{Abilities, ExternalWorld, PolicyMaker, Scenario, WORLD_PROTOCOL};
 use world::av::{Cruise, CruiseKeys, DrivingPolicy, Native, NativeKeys};
 
 /// What may be wrong after all.
@@ -120,17 +118,18 @@ fn lanes(world: &Arc<ExternalWorld>, scenario: &Scenario, town: &str) -> ExitCod
 /// # Errors
 /// What failed.
 fn drives(there: &Arc<Scenario>, who: &str, abilities: &Abilities) -> Result<(), String> {
-    let (first, ways) = episodes(there);
+    let first = driven(&mut Random::default(), there, EPISODES);
     let what = format!("runs {EPISODES} episodes of {who} to their end");
-    if let Some(reason) = first_fault(&first) {
+    if let Some(reason) = first_fault(&first.outcomes) {
         return Err(format!("{what}: {reason}"));
     }
-    if ways < 1.0 {
+    if first.ways < 1.0 {
         return Err(format!("{what}: the car hardly moves"));
     }
     passed(&format!("{what}, with everybody where they are told to be, and the car where its speed and its yaw lead"));
     if abilities.seeds {
-        if let Some(reason) = first_difference(&first, &episodes(there).0) {
+        let again = driven(&mut Random::default(), there, EPISODES);
+        if let Some(reason) = first_difference(&first.outcomes, &again.outcomes) {
             return Err(format!("is the same when the same seeds come again: {reason}"));
         }
         passed("is the same when the same seeds come again");
@@ -140,20 +139,4 @@ fn drives(there: &Arc<Scenario>, who: &str, abilities: &Abilities) -> Result<(),
 
 fn native_driver(driver: String) -> PolicyMaker {
     Arc::new(move || Box::new(Native::new(NativeKeys { name: driver.clone() })))
-}
-
-/// Some episodes, and how far their cars got from their starts (m).
-fn episodes(scenario: &Arc<Scenario>) -> (Vec<Outcome>, f64) {
-    let seed = Seed::root(1);
-    let mut ways = 0.0;
-    let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| {
-        if let [first, .., last] = trace.vehicle(0) {
-            ways += (last.state.pose.position() - first.state.pose.position()).norm();
-        }
-        *outcome
-    };
-    let go_on = &mut |_| ControlFlow::Continue(());
-    let walker = &mut Random::default();
-    let ended = evaluate_observed(walker, scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
-    (ended, ways)
 }

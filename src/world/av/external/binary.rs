@@ -6,7 +6,7 @@ use crate::av::{DrivingMode, Fault};
 use road::GiveWay;
 use road::geometry::Pose;
 
-/// Numbers of an action: id, throttle or acceleration, brake, steer.
+/// Numbers of an action: id, throttle or acceleration, brake, steer or the angle of the front wheels.
 const ACTION: usize = 4;
 
 /// The greatest numbers of actors and route points of a world; with them every world takes the same number of bytes.
@@ -84,12 +84,12 @@ pub(super) fn answer_length(worlds: usize) -> usize {
 pub(super) fn read_decisions(
     answer: &[u8],
     asked: &[u32],
-    control: Pedals,
+    (control, is_angle): (Pedals, bool),
     decisions: &mut Vec<Decision>,
 ) -> Result<(), Fault> {
     decisions.clear();
     for (id, bytes) in asked.iter().zip(answer.as_chunks::<{ ACTION * size_of::<f64>() }>().0) {
-        let [own, first, second, steer] = std::array::from_fn(|place| {
+        let [own, first, second, turn] = std::array::from_fn(|place| {
             f64::from_le_bytes(std::array::from_fn(|byte| bytes[place * size_of::<f64>() + byte]))
         });
         if own != f64::from(*id) {
@@ -99,7 +99,8 @@ pub(super) fn read_decisions(
             Pedals::Pedals => Choice::Pedals { throttle: first, brake: second },
             Pedals::Acceleration => Choice::Acceleration(first),
         };
-        decisions.push(Decision { pedals, steer, mode: DrivingMode::Unknown }.finite()?);
+        let (steer, wheel_angle) = if is_angle { (0.0, Some(turn)) } else { (turn, None) };
+        decisions.push(Decision { pedals, steer, wheel_angle, mode: DrivingMode::Unknown }.finite()?);
     }
     Ok(())
 }

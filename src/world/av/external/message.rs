@@ -49,6 +49,8 @@ pub(super) struct Hello<'a> {
     pub protocol: &'static str,
     pub tick_s: f64,
     pub town: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<serde_json::Value>,
     pub vehicle: Vehicle,
     pub worlds: usize,
     pub actors: usize,
@@ -63,7 +65,7 @@ pub(super) struct Vehicle {
     length: f64,
     width: f64,
     wheelbase: f64,
-    greatest_wheel_angle: f64,
+    pub greatest_wheel_angle: f64,
 }
 
 impl Vehicle {
@@ -97,11 +99,12 @@ pub(super) enum Pedals {
 }
 
 /// The keys of a greeting.
-pub(super) const GREETING: [KeyOf; 5] = [
+pub(super) const GREETING: [KeyOf; 6] = [
     ("protocol", "a text", |value| value.is_string()),
     ("name", "a text", |_| true),
     ("encoding", "`json` or `binary`", |value| ["json", "binary"].iter().any(|word| value == word)),
     ("control", "`pedals` or `acceleration`", |value| ["pedals", "acceleration"].iter().any(|word| value == word)),
+    ("wheel_angle", "true or false", |value| value.is_boolean()),
     ("revision", "1 or 2", |value| [1, 2].iter().any(|number| value == number)),
 ];
 
@@ -126,6 +129,8 @@ pub(super) struct Greeting {
     pub encoding: Encoding,
     #[serde(default)]
     pub control: Pedals,
+    #[serde(default)]
+    pub wheel_angle: bool,
     #[serde(default)]
     pub revision: Revision,
 }
@@ -262,7 +267,10 @@ const ROUNDED: f64 = 1e-6;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Decision {
     pub pedals: Choice,
+    /// The steering wheel, −1 to 1, if there is no angle.
     pub steer: f64,
+    /// The angle of the front wheels (rad), positive to the left.
+    pub wheel_angle: Option<f64>,
     pub mode: DrivingMode,
 }
 
@@ -276,7 +284,8 @@ pub(super) enum Choice {
 impl Decision {
     /// The control at this speed; numbers out of range are clamped.
     pub fn control(&self, perception: &Perception<'_>) -> Control {
-        let steer = self.steer.clamp(-1.0, 1.0);
+        let angle = self.wheel_angle.map(|angle| perception.blueprint.steer_for(angle, perception.ego.speed()));
+        let steer = angle.unwrap_or(self.steer).clamp(-1.0, 1.0);
         match self.pedals {
             Choice::Pedals { throttle, brake } => {
                 Control { throttle: throttle.clamp(0.0, 1.0), brake: brake.clamp(0.0, 1.0), steer }
@@ -285,18 +294,21 @@ impl Decision {
         }
     }
 
-    /// What is said if a number is out of its range, and clamped.
-    pub fn out_of_range(&self) -> Option<String> {
-        let steer = self.steer;
-        let within = |number: f64, low: f64| (low - ROUNDED..=1.0 + ROUNDED).contains(&number);
+    /// What is said if a number is out of its range, and clamped; the greatest angle of the front wheels is that at no speed (rad).
+    pub fn out_of_range(&self, greatest_angle: f64) -> Option<String> {
+        let most = (greatest_angle * 1e3).round() / 1e3;
+        let steer = ("steer", self.steer, 1.0);
+        let (key, turn, most) = self.wheel_angle.map_or(steer, |angle| ("wheel_angle", angle, most));
+        let turns = turn.abs() <= most + ROUNDED;
+        let is_pedal = |number: f64| (-ROUNDED..=1.0 + ROUNDED).contains(&number);
         match self.pedals {
             Choice::Pedals { throttle, brake } => {
-                let fits = within(throttle, 0.0) && within(brake, 0.0) && within(steer, -1.0);
-                let answer = format!("answers throttle {throttle}, brake {brake}, steer {steer}");
-                (!fits).then(|| format!("{answer}: clamped to 0 to 1, 0 to 1, -1 to 1"))
+                let fits = is_pedal(throttle) && is_pedal(brake) && turns;
+                let answer = format!("answers throttle {throttle}, brake {brake}, {key} {turn}");
+                (!fits).then(|| format!("{answer}: clamped to 0 to 1, 0 to 1, -{most} to {most}"))
             }
-            Choice::Acceleration(wanted) => (!within(steer, -1.0))
-                .then(|| format!("answers acceleration {wanted}, steer {steer}: steer is clamped to -1 to 1")),
+            Choice::Acceleration(wanted) => (!turns)
+                .then(|| format!("answers acceleration {wanted}, {key} {turn}: {key} is clamped to -{most} to {most}")),
         }
     }
 
@@ -306,7 +318,7 @@ impl Decision {
             Choice::Pedals { throttle, brake } => throttle.is_finite() && brake.is_finite(),
             Choice::Acceleration(wanted) => wanted.is_finite(),
         };
-        let finite = finite && self.steer.is_finite();
+        let finite = finite && self.wheel_angle.unwrap_or(self.steer).is_finite();
         if finite { Ok(self) } else { Err(Fault::Answer("a control is not finite")) }
     }
 }
@@ -317,17 +329,18 @@ struct Answers {
 }
 
 /// The keys of an action.
-const ACTION: [KeyOf; 6] = [
+const ACTION: [KeyOf; 7] = [
     ID,
     ("throttle", "a number", serde_json::Value::is_number),
     ("brake", "a number", serde_json::Value::is_number),
     ("acceleration", "a number", serde_json::Value::is_number),
     ("steer", "a number", serde_json::Value::is_number),
+    ("wheel_angle", "a number", serde_json::Value::is_number),
     ("mode", "a text", serde_json::Value::is_string),
 ];
 
 /// The names of these keys.
-const KNOWN: &str = "id, throttle, brake, acceleration, steer, mode";
+const KNOWN: &str = "id, throttle, brake, acceleration, steer, wheel_angle, mode";
 
 /// What is said of a mode that is none of [`DrivingMode`].
 const UNKNOWN_MODE: &str =
@@ -345,8 +358,10 @@ struct Action {
     brake: Option<f64>,
     #[serde(default, deserialize_with = "number")]
     acceleration: Option<f64>,
-    #[serde(default)]
-    steer: f64,
+    #[serde(default, deserialize_with = "number")]
+    steer: Option<f64>,
+    #[serde(default, deserialize_with = "number")]
+    wheel_angle: Option<f64>,
     mode: Option<String>,
 }
 
@@ -395,7 +410,11 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
             None => DrivingMode::Unknown,
             Some(mode) => DrivingMode::named(mode).ok_or(Fault::Answer(UNKNOWN_MODE))?,
         };
-        decisions.push(Decision { pedals, steer: action.steer, mode }.finite()?);
+        let (steer, wheel_angle) = (action.steer.unwrap_or(0.0), action.wheel_angle);
+        if action.steer.and(wheel_angle).is_some() {
+            return Err(Fault::Answer("an action with both steer and wheel_angle"));
+        }
+        decisions.push(Decision { pedals, steer, wheel_angle, mode }.finite()?);
     }
     Ok(())
 }
@@ -447,7 +466,7 @@ mod tests {
         let said = |keys: &str| {
             let mut decisions = Vec::new();
             read_decisions(format!(r#"{{"actions":[{{"id":3,{keys}}}]}}"#).as_bytes(), &[3], &mut decisions).unwrap();
-            decisions[0].out_of_range()
+            decisions[0].out_of_range(0.8552)
         };
         for keys in [r#""throttle":1.0000001"#, r#""brake":1,"steer":-1"#, r#""acceleration":-12"#] {
             assert_eq!(said(keys), None, "{keys}");
@@ -457,6 +476,9 @@ mod tests {
         assert!(said(r#""brake":0,"steer":1.5"#).is_some());
         let text = "answers acceleration -2, steer -6.5: steer is clamped to -1 to 1";
         assert_eq!(said(r#""acceleration":-2,"steer":-6.5"#).as_deref(), Some(text));
+        assert_eq!(said(r#""acceleration":-2,"wheel_angle":-0.855"#), None);
+        let text = "answers acceleration -2, wheel_angle 1.5: wheel_angle is clamped to -0.855 to 0.855";
+        assert_eq!(said(r#""acceleration":-2,"wheel_angle":1.5"#).as_deref(), Some(text));
     }
 
     #[test]
@@ -467,9 +489,11 @@ mod tests {
         };
         let good =
             read(r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1}]}"#);
-        let pedals =
-            Decision { pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 }, steer: -1.0, mode: DrivingMode::Unknown };
-        let braking = Decision { pedals: Choice::Acceleration(-2.0), steer: 0.0, mode: DrivingMode::Yield };
+        let decision = |pedals, steer, mode| Decision { pedals, steer, wheel_angle: None, mode };
+        let pedals = decision(Choice::Pedals { throttle: 0.1, brake: 0.0 }, -1.0, DrivingMode::Unknown);
+        let braking = decision(Choice::Acceleration(-2.0), 0.0, DrivingMode::Yield);
+        let turning = read(r#"{"actions":[{"id":3,"brake":1,"wheel_angle":-0.2},{"id":5,"brake":1}]}"#);
+        assert_eq!(turning.unwrap()[0].wheel_angle, Some(-0.2));
         assert_eq!(good, Ok(vec![pedals, braking]));
         for (line, reason) in [
             ("", "an empty line"),
@@ -491,6 +515,10 @@ mod tests {
             (
                 r#"{"actions":[{"id":3,"brake":1},{"id":5,"brake":1,"acceleration":0}]}"#,
                 "an action with both acceleration and pedals",
+            ),
+            (
+                r#"{"actions":[{"id":3,"brake":1},{"id":5,"brake":1,"steer":0,"wheel_angle":0}]}"#,
+                "an action with both steer and wheel_angle",
             ),
         ] {
             assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
@@ -518,7 +546,7 @@ mod tests {
             let line = format!(r#"{{"actions":[{{"id":3,"brake":1}},{{"id":5,"{key}":{value}}}]}}"#);
             read_decisions(line.as_bytes(), &[3, 5], &mut Vec::new()).unwrap_err().to_string()
         };
-        for key in ["throttle", "brake", "acceleration", "steer"] {
+        for key in ["throttle", "brake", "acceleration", "steer", "wheel_angle"] {
             for (value, kind) in [
                 ("null", "null"),
                 (r#""0.3""#, "a text"),
@@ -580,6 +608,6 @@ mod tests {
         let text = "its greeting has a key `revison`, which is unknown and ignored; did you mean `revision`?";
         assert_eq!(ignored(r#"{"protocol":"falsify-av/1","revison":2}"#).as_deref(), Some(text));
         let text = ignored(r#"{"protocol":"falsify-av/1","\u001bfar":2}"#).unwrap();
-        assert!(text.ends_with("key ` far`, which is unknown and ignored; known are `protocol`, `name`, `encoding`, `control`, `revision`"), "{text}");
+        assert!(text.ends_with("key ` far`, which is unknown and ignored; known are `protocol`, `name`, `encoding`, `control`, `wheel_angle`, `revision`"), "{text}");
     }
 }

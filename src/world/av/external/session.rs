@@ -1,6 +1,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use serde_json::json;
+
 use super::binary::{self, Room};
 use super::message::{self, Decision, Encoding, Hello, PROTOCOL, Pedals, Revision, Vehicle};
 use super::peer::Peer;
@@ -37,7 +39,11 @@ pub(super) struct Session {
     /// What the driver's last greeting said.
     encoding: Encoding,
     control: Pedals,
+    /// Whether the last number of a binary answer is the angle of the front wheels.
+    is_angle: bool,
     revision: Revision,
+    /// The angle of the front wheels at full steer and no speed (rad).
+    greatest_angle: f64,
     worlds: u32,
     asked: Vec<u32>,
     request: Vec<u8>,
@@ -56,7 +62,9 @@ impl Session {
             settings,
             encoding: Encoding::default(),
             control: Pedals::default(),
+            is_angle: false,
             revision: Revision::default(),
+            greatest_angle: f64::INFINITY,
             worlds: 0,
             asked: Vec::new(),
             request: Vec::new(),
@@ -80,14 +88,17 @@ impl Session {
 
     /// Starts the driver if it does not run; returns the number of its starts.
     pub fn ready(&mut self, perception: &Perception<'_>) -> Result<u64, Fault> {
-        let Self { peer, parameters, settings, encoding, control, revision, .. } = self;
+        let Self { peer, parameters, settings, encoding, control, is_angle, revision, greatest_angle, .. } = self;
         let hello = || {
+            let vehicle = Vehicle::new(perception);
+            *greatest_angle = vehicle.greatest_wheel_angle;
             let hello = Hello {
                 r#type: "hello",
                 protocol: PROTOCOL,
                 tick_s: perception.dt,
                 town: &perception.town.name,
-                vehicle: Vehicle::new(perception),
+                map: perception.town.map_file.as_ref().map(|map| json!({ "file": map.path, "blake3": map.blake3 })),
+                vehicle,
                 worlds: settings.worlds,
                 actors: settings.actors,
                 route_points: settings.route_points,
@@ -98,7 +109,8 @@ impl Session {
         };
         let greeted = |line: &[u8]| {
             let greeting = message::read_greeting(line)?;
-            (*encoding, *control, *revision) = (greeting.encoding, greeting.control, greeting.revision);
+            (*encoding, *control) = (greeting.encoding, greeting.control);
+            (*is_angle, *revision) = (greeting.wheel_angle, greeting.revision);
             Ok(())
         };
         peer.ready(hello, &message::GREETING, greeted)
@@ -152,7 +164,7 @@ impl Session {
     /// Sends all requests and receives the decisions. The first one that is out of its range is reported.
     fn exchange(&mut self) -> Result<(), Fault> {
         self.ask_all()?;
-        let clamped = || self.decisions.iter().find_map(Decision::out_of_range);
+        let clamped = || self.decisions.iter().find_map(|decision| decision.out_of_range(self.greatest_angle));
         if !self.is_clamped
             && let Some(text) = clamped()
         {
@@ -164,7 +176,7 @@ impl Session {
 
     fn ask_all(&mut self) -> Result<(), Fault> {
         let limit = self.settings.timeout;
-        let Self { peer, request, asked, answer, decisions, control, .. } = self;
+        let Self { peer, request, asked, answer, decisions, control, is_angle, .. } = self;
         match self.encoding {
             Encoding::Json => {
                 request.extend_from_slice(b"]}\n");
@@ -180,7 +192,7 @@ impl Session {
                 answer.resize(binary::answer_length(asked.len()), 0);
                 let read = if u32::from_le_bytes(length) as usize == answer.len() {
                     link.exact(answer)?;
-                    binary::read_decisions(answer, asked, *control, decisions)
+                    binary::read_decisions(answer, asked, (*control, *is_angle), decisions)
                 } else {
                     Err(Fault::Answer("a length other than four numbers for each world"))
                 };

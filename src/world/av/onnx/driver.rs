@@ -28,6 +28,8 @@ pub struct Onnx {
     worlds: usize,
     path: Path,
     view: View,
+    /// What a recurrent network carries to the next tick.
+    memory: Vec<f32>,
     asked: Option<usize>,
     fault: Option<Fault>,
 }
@@ -49,8 +51,8 @@ impl Onnx {
     }
 
     fn within(model: Arc<Model>, shared: Arc<Mutex<Shared>>, worlds: usize) -> Self {
-        let (path, view) = (Path::default(), View::default());
-        Self { model, shared, worlds, path, view, asked: None, fault: None }
+        let (path, view, memory) = (Path::default(), View::default(), vec![0.0; model.carried()]);
+        Self { model, shared, worlds, path, view, memory, asked: None, fault: None }
     }
 }
 
@@ -68,6 +70,7 @@ fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 impl DrivingPolicy for Onnx {
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.path.reset(perception, stream);
+        self.memory.fill(0.0);
         self.asked = None;
         self.fault = None;
     }
@@ -80,7 +83,7 @@ impl DrivingPolicy for Onnx {
         if std::mem::take(&mut shared.answered) {
             shared.batch.questions.clear();
         }
-        shared.batch.questions.push(self.model.encode(&self.view));
+        shared.batch.questions.push(self.model.encode(&self.view, &self.memory));
         self.asked = Some(shared.batch.questions.len() - 1);
     }
 
@@ -96,7 +99,11 @@ impl DrivingPolicy for Onnx {
             *answered = true;
         }
         match &batch.answers[place] {
-            Ok(numbers) => control(numbers, perception),
+            Ok(numbers) => {
+                let (driven, memory) = numbers.split_at(numbers.len() - self.memory.len());
+                self.memory.copy_from_slice(memory);
+                control(driven, perception)
+            }
             Err(fault) => {
                 self.fault = Some(*fault);
                 Control::FULL_BRAKE
@@ -112,11 +119,10 @@ impl DrivingPolicy for Onnx {
         self.fault
     }
 
-    /// A network has no memory beside its route.
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         let engine = locked(&self.shared).engine.clone();
         let copy = Self::within(self.model.clone(), Shared::new(engine), self.worlds);
-        Some(Box::new(Self { path: self.path.clone(), fault: self.fault, ..copy }))
+        Some(Box::new(Self { path: self.path.clone(), memory: self.memory.clone(), fault: self.fault, ..copy }))
     }
 
     fn reseed(&mut self, stream: Stream) {

@@ -9,7 +9,8 @@
 //! | `actors` | (1, K, 8) | of each of the K nearest in sight: 1 (0 when there are fewer), x, y, heading, velocity x and y, length, width |
 //! | `route` | (1, R, 3) | of R points, 2 m apart: x, y, heading; the last one again where the road ends |
 //!
-//! Its one output, or the one that is named, holds two numbers, acceleration (m/s²) and steer, or three: throttle, brake, steer. K and R are read from the
+//! A pair of an input `NAME_in` and an output `NAME_out` of one shape is state: 0 at the first tick of an episode, and then what the tick before gave.
+//! Its one other output, or the one that is named, holds two numbers, acceleration (m/s²) and steer, or three: throttle, brake, steer. K and R are read from the
 //! file; the first dimension is 1 or free.
 //!
 //! A file goes through `vetting`, which trusts no length in it and refuses results whose sizes are not constant. So all evaluations take the

@@ -11,13 +11,17 @@ use base::contained::contained;
 /// Maximum number of actors and of points of the route in a network's inputs.
 const MAX_ACTORS: usize = 64;
 const MAX_POINTS: usize = 40;
+/// Maximum number of numbers of a state.
+const MAX_STATE: usize = 1 << 16;
 
 /// Why a file contains no driver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
     #[error("{0}")]
     Unreadable(String),
-    #[error("its input `{0}` is none of `ego`, `actors`, `route`")]
+    #[error(
+        "its input `{0}` is none of `ego`, `actors`, `route`, and no state: at most {MAX_STATE} numbers `NAME_in` with an output `NAME_out`"
+    )]
     UnknownInput(String),
     #[error("its input `{name}` must have the shape {wanted}")]
     Shape { name: &'static str, wanted: &'static str },
@@ -29,10 +33,20 @@ pub enum ModelError {
     Unrunnable(String),
 }
 
+/// Numbers that are carried from tick to tick: an input, and the output that becomes it.
+struct State {
+    name: String,
+    input: NodeId,
+    output: NodeId,
+    shape: Vec<usize>,
+    size: usize,
+}
+
 /// A network that drives.
 pub struct Model {
     network: rten::Model,
     inputs: Vec<(NodeId, Input)>,
+    states: Vec<State>,
     output: NodeId,
     numbers: usize,
 }
@@ -50,21 +64,27 @@ impl Model {
 
     fn read_and_try(bytes: Vec<u8>, output: Option<&str>) -> Result<Self, ModelError> {
         let mut this = Self::of(load(bytes).map_err(ModelError::Unreadable)?, output)?;
-        let empty = this.encode(&View::default());
+        let empty = this.encode(&View::default(), &vec![0.0; this.carried()]);
         let answer = this.answer(&empty, RunOptions::default()).map_err(ModelError::Unrunnable)?;
-        this.numbers = answer.len();
-        if [2, 3].contains(&answer.len()) { Ok(this) } else { Err(ModelError::Output(answer.len())) }
+        this.numbers = answer.len() - this.carried();
+        if [2, 3].contains(&this.numbers) { Ok(this) } else { Err(ModelError::Output(this.numbers)) }
     }
 
     /// A network whose inputs and output have the names and shapes of the contract.
     fn of(network: rten::Model, output: Option<&str>) -> Result<Self, ModelError> {
-        let ids = network.input_ids().to_vec();
-        if ids.is_empty() {
+        let (mut inputs, mut states) = (Vec::new(), Vec::new());
+        for id in network.input_ids() {
+            match state(&network, *id) {
+                Some(state) => states.push(state),
+                None => inputs.push((*id, input(&network, *id)?)),
+            }
+        }
+        if inputs.is_empty() {
             return Err(ModelError::NoInput);
         }
-        let output = vetting::output(&network, output).map_err(ModelError::Unreadable)?;
-        let inputs = ids.iter().map(|id| Ok((*id, input(&network, *id)?))).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { network, inputs, output, numbers: 0 })
+        let carried: Vec<NodeId> = states.iter().map(|state| state.output).collect();
+        let output = vetting::output(&network, output, &carried).map_err(ModelError::Unreadable)?;
+        Ok(Self { network, inputs, states, output, numbers: 0 })
     }
 
     /// Maximum number of actors and of points of the route that it receives.
@@ -80,35 +100,72 @@ impl Model {
         room
     }
 
-    /// The numbers for each of its inputs.
-    pub(super) fn encode(&self, view: &View) -> Vec<Vec<f32>> {
-        self.inputs.iter().map(|(_, input)| input.numbers(view)).collect()
+    /// How many numbers it carries from tick to tick: all its states, one after the other.
+    pub(super) fn carried(&self) -> usize {
+        self.states.iter().map(|state| state.size).sum()
     }
 
-    /// Its answer to numbers made by [`Model::encode`]: two or three numbers.
+    /// What it carries from tick to tick, in words.
+    pub fn carries(&self) -> Option<String> {
+        let all: Vec<String> = self.states.iter().map(|state| format!("`{}` {:?}", state.name, state.shape)).collect();
+        let state = all.join(", ");
+        (!all.is_empty()).then(|| format!("carries {state} from tick to tick, from 0 at the start of an episode"))
+    }
+
+    /// The numbers for each of its inputs, and for each of its states.
+    pub(super) fn encode(&self, view: &View, mut memory: &[f32]) -> Vec<Vec<f32>> {
+        let states = self.states.iter().filter_map(|state| memory.split_off(..state.size)).map(<[f32]>::to_vec);
+        self.inputs.iter().map(|(_, input)| input.numbers(view)).chain(states).collect()
+    }
+
+    /// Its answer to numbers made by [`Model::encode`]: two or three numbers, and then what it carries.
     pub(super) fn decide(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, Fault> {
         let answer = self.answer(inputs, options).map_err(|_| Fault::Answer("the network failed"))?;
-        if answer.len() != self.numbers {
+        if answer.len() != self.numbers + self.carried() {
             return Err(Fault::Answer("another number of outputs than before"));
         }
-        if answer.iter().all(|number| number.is_finite()) {
-            Ok(answer)
-        } else {
-            Err(Fault::Answer("a control is not finite"))
-        }
+        let finite = answer.iter().all(|number| number.is_finite());
+        if finite { Ok(answer) } else { Err(Fault::Answer("a control or a state is not finite")) }
     }
 
     fn answer(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, String> {
-        let value = |((id, input), numbers): (&(NodeId, Input), &Vec<f32>)| {
-            let (shape, rank) = input.shape();
-            let view: TensorView<f32> = TensorView::from_data(&shape[..rank], numbers.as_slice());
-            (*id, ValueOrView::from(view.to_tensor()))
+        let value = |id: NodeId, shape: &[usize], numbers: &Vec<f32>| {
+            let view: TensorView<f32> = TensorView::from_data(shape, numbers.as_slice());
+            (id, ValueOrView::from(view.to_tensor()))
         };
-        let inputs = self.inputs.iter().zip(inputs).map(value).collect();
-        let [answer] = self.network.run_n(inputs, [self.output], Some(options)).map_err(|error| error.to_string())?;
-        let answer: Tensor<f32> = answer.into_tensor().ok_or("its output is not in 32-bit floats")?;
-        Ok(answer.iter().copied().collect())
+        let (seen, carried) = inputs.split_at(self.inputs.len());
+        let seen = self.inputs.iter().zip(seen).map(|((id, input), numbers)| {
+            let (shape, rank) = input.shape();
+            value(*id, &shape[..rank], numbers)
+        });
+        let carried = self.states.iter().zip(carried).map(|(state, numbers)| value(state.input, &state.shape, numbers));
+        let mut wanted = vec![self.output];
+        wanted.extend(self.states.iter().map(|state| state.output));
+        let answers = self.network.run(seen.chain(carried).collect(), &wanted, Some(options));
+        let mut all = Vec::new();
+        for (place, answer) in answers.map_err(|error| error.to_string())?.into_iter().enumerate() {
+            let answer: Tensor<f32> = answer.into_tensor().ok_or("its output is not in 32-bit floats")?;
+            let state = place.checked_sub(1).map(|place| &self.states[place]);
+            if let Some(State { name, shape, .. }) = state.filter(|state| answer.shape() != state.shape) {
+                let given = answer.shape();
+                return Err(format!("its state `{name}_in` has the shape {shape:?}, and `{name}_out` {given:?}"));
+            }
+            all.extend(answer.iter().copied());
+        }
+        Ok(all)
     }
+}
+
+/// The state that an input and an output carry; `None` for an input that is no part of one.
+fn state(network: &rten::Model, id: NodeId) -> Option<State> {
+    let info = network.node_info(id)?;
+    let name = info.name()?.strip_suffix("_in")?.to_owned();
+    let output = network.find_node(&format!("{name}_out")).filter(|output| network.output_ids().contains(output))?;
+    // A free length is a number of worlds, each of which has a state of its own.
+    let length = |size| if let Dimension::Fixed(length) = size { length } else { 1 };
+    let shape: Vec<usize> = info.shape()?.into_iter().map(length).collect();
+    let size = shape.iter().try_fold(1_usize, |size, length| size.checked_mul(*length))?;
+    (1..=MAX_STATE).contains(&size).then_some(State { name, input: id, output, shape, size })
 }
 
 /// The content of an input, by its name and shape.

@@ -56,7 +56,7 @@ impl Network {
     /// A network with one row as input and one output.
     fn of(network: rten::Model, output: Option<&str>) -> Result<Self, NetworkError> {
         let &[input] = network.input_ids() else { return Err(NetworkError::Inputs(network.input_ids().len())) };
-        let output = vetting::output(&network, output).map_err(NetworkError::Unreadable)?;
+        let output = vetting::output(&network, output, &[]).map_err(NetworkError::Unreadable)?;
         let inputs = width(&network, input).ok_or(NetworkError::Input)?;
         Ok(Self { network, input, output, inputs, outputs: 0 })
     }

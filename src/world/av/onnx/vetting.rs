@@ -74,14 +74,19 @@ pub(super) fn load(bytes: Vec<u8>) -> Result<rten::Model, Refusal> {
     rten::Model::load(bytes).map_err(|error| error.to_string())
 }
 
-/// The output with this name; without a name, the only one.
+/// The output with this name; without a name, the only one. Those that are carried are none.
 ///
 /// # Errors
 /// There is no such output, or there are several: their names.
-pub(super) fn output(network: &rten::Model, wanted: Option<&str>) -> Result<rten::NodeId, Refusal> {
-    let (ids, names) = (network.output_ids(), output_names(network));
+pub(super) fn output(
+    network: &rten::Model,
+    wanted: Option<&str>,
+    carried: &[rten::NodeId],
+) -> Result<rten::NodeId, Refusal> {
+    let all = network.output_ids().iter().copied().zip(output_names(network));
+    let (ids, names): (Vec<_>, Vec<_>) = all.filter(|(id, _)| !carried.contains(id)).unzip();
     let all = || names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    match (wanted, ids) {
+    match (wanted, ids.as_slice()) {
         (None, [only]) => Ok(*only),
         (None, _) => Err(format!(
             "it has {} outputs ({}): choose one, as `output: \"{}\"`",
