@@ -10,7 +10,7 @@ use base::seed::Seed;
 use base::signature::Keys;
 use compile::{Catalog, Plan, compile};
 use episode::walker::{Intercept, Random};
-use episode::{Ending, Outcome, Scenario, evaluate};
+use episode::{Ending, Outcome, Scenario, Trace, evaluate, evaluate_observed};
 use needs::needs;
 use process::ProcessOpener;
 use search::{TrainError, TrainingRun};
@@ -358,6 +358,59 @@ fn an_empty_road_tells_drivers_that_follow_it_from_others() {
     let [road, lane] = straight.map(|found| metres(&found));
     assert!((road - 52.4).abs() < 1.0 && (lane - 61.3).abs() < 1.0, "{road} and {lane}");
     assert_eq!(found("0", "0"), ["", "the car stood for 120 s"]);
+}
+
+/// Turns the front wheels by 0.05 rad at all speeds, in the form that its argument names.
+const TURNED: &str = r#"
+import json, struct, sys
+binary = sys.argv[1] == "binary"
+source, out = sys.stdin.buffer, sys.stdout.buffer
+hello = json.loads(source.readline())
+form = {"encoding": "binary", "control": "acceleration", "wheel_angle": True} if binary else {}
+out.write(json.dumps({"protocol": "falsify-av/1", **form}).encode() + b"\n")
+out.flush()
+width = 14 + 8 * hello["actors"] + 3 * hello["route_points"]
+while head := source.read(4) if binary else source.readline():
+    if binary:
+        worlds = struct.iter_unpack(f"<{width}d", source.read(struct.unpack("<I", head)[0]))
+        answer = b"".join(struct.pack("<4d", world[0], 2.0, 0.0, 0.05) for world in worlds)
+        out.write(struct.pack("<I", len(answer)) + answer)
+    else:
+        actions = [{"id": world["id"], "acceleration": 2, "wheel_angle": 0.05} for world in json.loads(head)["worlds"]]
+        out.write(json.dumps({"actions": actions}).encode() + b"\n")
+    out.flush()
+"#;
+
+#[needs(python)]
+#[test]
+fn a_wheel_angle_is_that_of_the_front_wheels_at_every_speed() {
+    let place = tempfile::tempdir().unwrap();
+    let program = place.path().join("turned.py");
+    std::fs::write(&program, TURNED).unwrap();
+    // The law of `scenarios/external/README.md`.
+    let slip = libm::atan(libm::tan(0.05) / 2.0);
+    for form in ["json", "binary"] {
+        let scenario = scenario(&format!("python3 {} {form}", program.display()), "timeout: 60 s");
+        let base = scenario.cast.ego().blueprint.wheelbase;
+        let mut fastest = 0.0_f64;
+        let mut note = |_: u32, outcome: &Outcome, trace: &Trace| {
+            assert_eq!(outcome.fault(), None);
+            for pair in trace.vehicle(0).windows(2) {
+                let [before, after] = [pair[0].state, pair[1].state];
+                let way = (before.speed + after.speed) / 2.0 * 0.05;
+                let turned = road::geometry::wrap_angle(after.pose.yaw - before.pose.yaw);
+                assert!(
+                    (turned - way * libm::sin(slip) / (base / 2.0)).abs() < 1e-9,
+                    "{turned} at {} m/s",
+                    before.speed
+                );
+                fastest = fastest.max(before.speed);
+            }
+        };
+        let (seed, go_on) = (Seed::root(5), &mut |_| ControlFlow::Continue(()));
+        evaluate_observed(&mut Random::default(), &scenario, 0..3, &seed, &seed, &mut note, go_on);
+        assert!(fastest > 2.0, "{form}: {fastest} m/s");
+    }
 }
 
 /// Follows its route, and writes down how it is greeted and how many worlds it is asked about at once.
