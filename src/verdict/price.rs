@@ -64,15 +64,21 @@ impl Price {
         let mut price = Self::default();
         for first in (0..starts).step_by(TOGETHER) {
             let episodes = first..starts.min(first + TOGETHER as u32);
-            let mut go_on =
-                |done: u32| if stop(first + done / 3) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+            let mut is_stopped = false;
+            let mut go_on = |done: u32| {
+                is_stopped |= stop(first + done / 3);
+                if is_stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
             let mut drives = [scenario, &alone, &free].map(|scenario| {
                 let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| Drive::new(*outcome, trace.clone());
                 let walker = &mut Natural::default();
                 evaluate_observed(walker, scenario, episodes.clone(), &starting, &walking, note, &mut go_on).into_iter()
             });
             for _ in episodes {
-                let [Some(met), Some(alone), Some(free)] = drives.each_mut().map(Iterator::next) else { return None };
+                // It ends early, too, where the driver fails again and again.
+                let [Some(met), Some(alone), Some(free)] = drives.each_mut().map(Iterator::next) else {
+                    return (!is_stopped).then_some(price);
+                };
                 price.add(scenario, &met, &alone, &free);
             }
         }
@@ -90,9 +96,9 @@ impl Price {
         let ticks = alone.way.len().min(free.way.len()) - 1;
         let ways = [alone, free].map(|drive| drive.way[ticks]);
         self.starts += 1;
-        for place in 0..2 {
-            self.ways[place] += ways[place];
-            self.squares[place] += ways[place] * ways[place];
+        for ((sum, squares), way) in self.ways.iter_mut().zip(&mut self.squares).zip(ways) {
+            *sum += way;
+            *squares += way * way;
         }
         self.product += ways[0] * ways[1];
         let pair = met.trace.pair(scenario, 0, 0);

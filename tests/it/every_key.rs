@@ -17,7 +17,7 @@ use base::diagnostic::{Diagnostic, Severity, Sources};
 use base::seed::Seed;
 use base::signature::{Form, Param, Signature, Type};
 use base::units::Dimension;
-use compile::{Campaign, Catalog, Cover, Estimation, Evaluation, Harden, Job, Plan, Planned, compile};
+use compile::{Campaign, Catalog, Cover, Estimation, Evaluation, Harden, Job, Plan, Planned, Pricing, compile};
 use episode::{Ending, Outcome, Trace, WORLD_PROTOCOL};
 use falsify::session::{Input, RunOptions, Session};
 use lang::Reader;
@@ -456,6 +456,9 @@ fn results(campaign: &Campaign) -> String {
     }
     for (job, found) in finished.found::<Harden>() {
         let _ = writeln!(text, "{} {found:?}", job.title());
+    }
+    for (job, found) in finished.found::<Pricing>() {
+        let _ = writeln!(text, "{} {} starts", job.title(), found.starts);
     }
     text
 }

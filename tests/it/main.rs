@@ -49,6 +49,7 @@ mod onnx_file;
 mod outputs;
 mod own_kinds;
 mod page;
+mod prices;
 mod program;
 mod recheck;
 mod recordings;

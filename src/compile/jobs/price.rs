@@ -21,6 +21,9 @@ pub struct Pricing {
     pub starts: u32,
 }
 
+/// The longest episode (s): its end comes when the pedestrian has long crossed.
+const LONGEST: f64 = 30.0;
+
 impl Pricing {
     /// The seed of its starts, the same for all drivers.
     pub fn drawn(&self, seed: &Seed) -> Seed {
@@ -88,12 +91,13 @@ impl Pricing {
     }
 
     fn new(origin: &Origin, [town, policy]: [&str; 2], scenario: &Scenario, starts: u32) -> Self {
+        let ticks = scenario.episode.ticks.min((LONGEST / scenario.episode.tick) as u32);
         let scenario = Scenario {
             cast: scenario.cast.alone(0),
             reward: RewardRule::default(),
             requirements: Arc::default(),
             criterion: Criterion::Collision,
-            episode: EpisodeRule { end_when: None, traffic_lights: false, ..scenario.episode.clone() },
+            episode: EpisodeRule { ticks, end_when: None, traffic_lights: false, ..scenario.episode.clone() },
             oracle: None,
             ..scenario.clone()
         };

@@ -62,7 +62,7 @@ pub fn columns<'a>() -> Table<'a, (&'a Pricing, &'a Price)> {
     Table::<Row<'a>>::new(
         PRICES,
         "One row for each driver and town: what the driver gives for safety. Its episodes are those of the first setting in which the campaign tries it, with one natural pedestrian \
-         or none, to the end of their time.",
+         or none, for up to 30 s.",
     )
     .columns(entries! { row: &Row<'_>;
         RUN_ID = row.0.origin.id.to_string();

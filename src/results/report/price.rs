@@ -59,7 +59,7 @@ impl DriverPrice {
     pub fn stored(report: &StoredReport) -> Result<Vec<(String, Self)>, ReadError> {
         let mut all = Vec::new();
         if report.written(PRICES).is_some() {
-            report.each_part(PRICES, MAX_ROWS, |rows| Ok(all = Self::all(rows)?))?;
+            report.each_part(PRICES, MAX_ROWS, |rows| Self::all(rows).map(|rows| all = rows))?;
         }
         Ok(all)
     }
@@ -75,7 +75,7 @@ impl DriverPrice {
     }
 
     /// What another driver costs beside this one: `progress 0.93 -> 0.90, 3 % slower`.
-    pub fn to_other(&self, other: &Self) -> String {
+    pub fn beside(&self, other: &Self) -> String {
         let (change, error) = (other.progress - self.progress, self.error.hypot(other.error));
         let word = match 100.0 * change / self.progress {
             _ if change.abs() <= NORMAL * error => "no difference is shown".into(),
@@ -110,10 +110,10 @@ mod tests {
         assert!((a.progress - 0.85).abs() < 1e-12 && (a.error - 0.02 / 1.96 / 2_f64.sqrt()).abs() < 1e-12);
         assert_eq!((a.delayed, a.spared, b.delayed, b.spared), (7, 40, 10, 20));
         assert_eq!(
-            a.to_other(b),
+            a.beside(b),
             "progress 0.85 -> 0.50, 41 % slower; braked needlessly in 7 of 40 -> 10 of 20 encounters"
         );
         let near = DriverPrice { progress: 0.86, ..*a };
-        assert!(a.to_other(&near).contains("no difference is shown"));
+        assert!(a.beside(&near).contains("no difference is shown"));
     }
 }

@@ -13,7 +13,7 @@ use results::report;
 pub fn show(report: &CampaignReport, details: bool) {
     let CampaignReport { folder, manifest, answer, drivers, sections, .. } = report;
     console::say(&format!("campaign {}", manifest.campaign));
-    answer.iter().for_each(|sentence| console::say(&console::broken(sentence, console::width())));
+    answer.iter().for_each(|sentence| console::say(console::broken(sentence, console::width()).trim_end()));
     // The first section is the most important one, and the last lines are those that a reader sees.
     let texts = sections.iter().rev().map(|section| section.to_terminal(console::width(), details));
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();

@@ -144,7 +144,7 @@ fn prices(sides: [Side<'_>; 2], cells: &[ComparedCell]) -> Result<Vec<String>, R
         prices.iter().find(|(known, _)| known == name).map(|(_, price)| *price)
     };
     let price = |pair: [&String; 2]| {
-        let change = of(&before, pair[0])?.to_other(&of(&after, pair[1])?);
+        let change = of(&before, pair[0])?.beside(&of(&after, pair[1])?);
         Some(format!("Price of {}: {change}", drivers(&pair.map(Clone::clone))))
     };
     Ok(grouped(pairs, |pair| pair.map(Clone::clone)).into_iter().filter_map(|pairs| price(pairs[0])).collect())
