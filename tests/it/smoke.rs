@@ -25,7 +25,7 @@ training quick = ppo(steps: 240, steps_per_update: 40, epochs: 2, batch_size: 40
 method meet = intercept()
 method learner = ppo(reward: fault, training: quick)
 campaign all {
-  vehicle: model3  body: plausible  spawn: moving  episode: short  training: quick
+  vehicle: model3  body: plausible  spawn: moving  episode: short  training: quick  price: 8
   train { towns: [village]  drivers: [idm]  rewards: [fault]  runs: 2 }
   drive { towns: [village]  imitates: idm  demonstrations: 1_500  runs: 2  cars: 1 }
   evaluate { towns: [village]  drivers: [idm]  pedestrians: [trained, stochastic, untrained, random, intercept]  episodes: 8 }
