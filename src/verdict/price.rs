@@ -29,8 +29,6 @@ pub struct Price {
     pub delayed: u64,
     /// Episodes in which a program failed.
     pub errors: u64,
-    /// Simulator ticks, those of run-ups included.
-    pub ticks: u64,
 }
 
 /// Episodes that are kept at a time.
@@ -61,12 +59,13 @@ impl Price {
         };
         let (alone, free) = (empty(scenario), empty(free));
         let (starting, walking) = (seed.child("starts"), seed.child("walker"));
-        let mut price = Self::default();
+        let (mut price, mut episodes_over) = (Self::default(), 0);
         for first in (0..starts).step_by(TOGETHER) {
             let episodes = first..starts.min(first + TOGETHER as u32);
             let mut is_stopped = false;
-            let mut go_on = |done: u32| {
-                is_stopped |= stop(first + done / 3);
+            let mut go_on = |_: u32| {
+                episodes_over += 1;
+                is_stopped |= stop(episodes_over / 3);
                 if is_stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let mut drives = [scenario, &alone, &free].map(|scenario| {
@@ -87,7 +86,6 @@ impl Price {
 
     fn add(&mut self, scenario: &Scenario, met: &Drive, alone: &Drive, free: &Drive) {
         let drives = [met, alone, free].map(|drive| &drive.outcome);
-        self.ticks += drives.iter().map(|outcome| u64::from(outcome.ticks) + u64::from(outcome.run_up)).sum::<u64>();
         self.errors += drives.iter().filter(|outcome| outcome.fault().is_some()).count() as u64;
         if drives.iter().any(|outcome| outcome.fault().is_some()) {
             return;

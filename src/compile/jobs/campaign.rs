@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::job_block::JobBlock;
-use super::{Job, Origin, Pricing, cover, drive, estimate, evaluation, harden, search, training};
+use super::{Evaluation, Job, Origin, Pricing, Search, cover, drive, estimate, evaluation, harden, search, training};
 use crate::campaign::CampaignKeys;
 use crate::grid::{Grid, Nested, Required, Usual};
 use crate::lowering::Lowering;
@@ -50,7 +50,7 @@ impl Lowering<'_> {
                 (kind.lower)(self, Nested { campaign: block, block: inner, number }, &mut grid);
             }
         }
-        let prices = Pricing::of_campaign(&grid.campaign, keys.price);
+        let prices = prices(&grid.campaign, keys.price);
         grid.campaign.jobs.extend(prices.into_iter().map(Job::from));
         self.forbid_repeated_trainings(block, &grid.campaign);
         self.warn_of_absent(block, &grid);
@@ -89,4 +89,34 @@ impl Lowering<'_> {
     fn published(&mut self, beside: Option<Vec<DeclarationId>>) -> Vec<Published> {
         beside.into_iter().flatten().map(|id| published::lower(self.program.get(id), self.program, self.said)).collect()
     }
+}
+
+/// The prices of the drivers of a campaign: of each in each town, in the first setting in which an evaluation or a search tries it, from as many starts as it has episodes at
+/// most, and from `most` over all towns. A test has a place for each of its cases, and another simulator has drivers of its own, so these have none.
+fn prices(campaign: &Campaign, most: u32) -> Vec<Pricing> {
+    let mut all: Vec<Pricing> = Vec::new();
+    for job in &campaign.jobs {
+        let (town, policy, scenario, episodes) = match (job.of::<Evaluation>(), job.of::<Search>()) {
+            (Some(Evaluation { town, policy, scenario, episodes, .. }), _) => {
+                (&**town, &**policy, scenario, u64::from(*episodes))
+            }
+            (_, Some(Search { key, scenario, budget, .. })) => {
+                (&*key.town, &*key.policy, scenario, budget / u64::from(scenario.episode.ticks))
+            }
+            _ => continue,
+        };
+        if scenario.external_world.is_some() || scenario.spawn.scripted().is_some() {
+            continue;
+        }
+        let starts = u32::try_from(episodes).unwrap_or(u32::MAX);
+        match all.iter_mut().find(|each| [&*each.town, &*each.policy] == [town, policy]) {
+            Some(known) => known.starts = known.starts.max(starts),
+            None => all.push(Pricing::new(job.origin(), [town, policy], scenario, starts)),
+        }
+    }
+    let towns = all.iter().map(|each| &each.town).collect::<BTreeSet<_>>().len().max(1);
+    let most = most.div_ceil(towns as u32);
+    all.iter_mut().for_each(|each| each.starts = each.starts.min(most));
+    all.retain(|each| each.starts > 0);
+    all
 }

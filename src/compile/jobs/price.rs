@@ -1,8 +1,7 @@
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::{Evaluation, Origin, Planned, Search};
-use crate::{Campaign, RunId};
+use super::{Origin, Planned};
+use crate::RunId;
 use base::seed::Seed;
 use episode::{Criterion, EpisodeRule, RewardRule, Scenario};
 use world::av::{Cruise, CruiseKeys};
@@ -60,37 +59,8 @@ impl Planned for Pricing {
 }
 
 impl Pricing {
-    /// Those of a campaign: of each driver in each town, in the first setting in which an evaluation or a search tries it, as many starts as it has episodes at most, and `most` over
-    /// all towns. A test has a place for each of its cases, and another simulator has drivers of its own, so these have none.
-    pub fn of_campaign(campaign: &Campaign, most: u32) -> Vec<Self> {
-        let mut all: Vec<Self> = Vec::new();
-        for job in &campaign.jobs {
-            let (town, policy, scenario, episodes) = match (job.of::<Evaluation>(), job.of::<Search>()) {
-                (Some(Evaluation { town, policy, scenario, episodes, .. }), _) => {
-                    (&**town, &**policy, scenario, u64::from(*episodes))
-                }
-                (_, Some(Search { key, scenario, budget, .. })) => {
-                    (&*key.town, &*key.policy, scenario, budget / u64::from(scenario.episode.ticks))
-                }
-                _ => continue,
-            };
-            if scenario.external_world.is_some() || scenario.spawn.scripted().is_some() {
-                continue;
-            }
-            let starts = u32::try_from(episodes).unwrap_or(u32::MAX);
-            match all.iter_mut().find(|each| [&*each.town, &*each.policy] == [town, policy]) {
-                Some(known) => known.starts = known.starts.max(starts),
-                None => all.push(Self::new(job.origin(), [town, policy], scenario, starts)),
-            }
-        }
-        let towns = all.iter().map(|each| &each.town).collect::<BTreeSet<_>>().len().max(1);
-        let most = most.div_ceil(towns as u32);
-        all.iter_mut().for_each(|each| each.starts = each.starts.min(most));
-        all.retain(|each| each.starts > 0);
-        all
-    }
-
-    fn new(origin: &Origin, [town, policy]: [&str; 2], scenario: &Scenario, starts: u32) -> Self {
+    /// That of a driver in a town, in the setting of another job.
+    pub(super) fn new(origin: &Origin, [town, policy]: [&str; 2], scenario: &Scenario, starts: u32) -> Self {
         let ticks = scenario.episode.ticks.min((LONGEST / scenario.episode.tick) as u32);
         let scenario = Scenario {
             cast: scenario.cast.alone(0),

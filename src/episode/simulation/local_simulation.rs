@@ -1,10 +1,11 @@
 mod settle;
 mod start;
+mod touched;
 mod touches;
 
 use std::sync::Arc;
 
-use self::touches::Touches;
+use self::touched::Touches;
 use super::drivers::Drivers;
 use super::external_world::Bridge;
 use super::observers::Observers;
@@ -260,6 +261,8 @@ impl Simulation for LocalSimulation {
             return Some(self.give_up(Ending::ControllerError(fault)));
         }
         match self.failed_run_up().or_else(|| self.drivers.drive(&self.world, &self.run_up, &mut self.actions)) {
+            // What it did before is known.
+            Some(_) if self.go_back() => Some(self.settle()),
             Some(fault) => Some(self.give_up(Ending::Error(fault))),
             None => self.tick_encounter(),
         }

@@ -15,10 +15,13 @@ pub fn answer(found: &Findings<'_>) -> Vec<String> {
 fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
     let name = &result.driver.name;
     // The cases of a test are no sample of episodes.
-    let own = found.cells.iter().filter(|cell| cell.key.policy == *name && !cell.is_fixed_cases());
-    let (faults, episodes) = own.fold((0, 0), |(faults, episodes), cell| {
-        (faults + u64::from(cell.count(&FAULT_COLLISIONS)), episodes + u64::from(cell.count(&EPISODES)))
-    });
+    let counts = |is_test: bool| {
+        let own = found.cells.iter().filter(|cell| cell.key.policy == *name && cell.is_fixed_cases() == is_test);
+        own.fold((0, 0), |(faults, episodes), cell| {
+            (faults + u64::from(cell.count(&FAULT_COLLISIONS)), episodes + u64::from(cell.count(&EPISODES)))
+        })
+    };
+    let tried = [(counts(false), "episodes"), (counts(true), "cases of tests")];
     let searched = result.searched.filter(|searched| searched.episodes > 0);
     let of_searches = searched.map_or(0, |searched| searched.fault as u64);
     let mut parts = Vec::new();
@@ -29,10 +32,10 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
             faults => format!("{faults} faults in searches"),
         });
     }
-    if episodes > 0 {
+    for ((faults, of), what) in tried.into_iter().filter(|((_, of), _)| *of > 0) {
         parts.push(match faults {
-            0 => format!("none in {episodes} episodes"),
-            faults => format!("a fault in {faults} of {episodes} episodes"),
+            0 => format!("none in {of} {what}"),
+            faults => format!("a fault in {faults} of {of} {what}"),
         });
     }
     let worst = result
@@ -44,7 +47,7 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
     let progress = result.price.map(|price| price.progress);
     parts.extend(progress.map(|progress| format!("progress {progress:.2}")));
     let verdict = match progress {
-        _ if faults + of_searches > 0 => "fails",
+        _ if of_searches + tried.iter().map(|((faults, _), _)| faults).sum::<u64>() > 0 => "fails",
         Some(progress) if progress < CRAWLS => "hardly drives",
         _ => "has no fault",
     };

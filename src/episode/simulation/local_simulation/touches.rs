@@ -1,36 +1,10 @@
 use super::LocalSimulation;
-use crate::simulation::observers::Observers;
-use crate::{Actions, MOVING_ABOVE};
-use world::sim::{Contact, World};
+use super::touched::{Severity, Touched, Touches};
+use crate::MOVING_ABOVE;
+use world::sim::Contact;
 
 /// An episode goes on for this time after the car has touched somebody (s): as long as a verdict lets the pedestrian go on.
 const GOES_ON: f64 = 5.0;
-
-/// The touches of an episode with several pedestrians.
-#[derive(Debug, Clone)]
-pub(super) struct Touches {
-    /// The last tick in which somebody else can be touched.
-    until: u32,
-    worst: Touched,
-}
-
-/// A touch of the car and a pedestrian, and the simulation in the tick in which it happened.
-#[derive(Debug, Clone)]
-struct Touched {
-    severity: Severity,
-    world: World,
-    actions: Actions,
-    observers: Observers,
-}
-
-/// How much a touch counts against the driver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Severity {
-    Bump,
-    Collision,
-    Preventable,
-    Fault,
-}
 
 /// The first touch does not hide a second: whom the car has touched leaves the world, and the others keep their commands. The episode is that of
 /// the worst touch; of equal ones, of the first.
@@ -59,10 +33,17 @@ impl LocalSimulation {
         }
         let Some(touches) = &self.touches else { return false };
         let is_over = self.actions.contact.is_some() || self.world.ticks >= touches.until;
-        if let Some(Touches { worst, .. }) = self.touches.take_if(|_| is_over) {
-            (self.world, self.actions, self.observers) = (worst.world, worst.actions, worst.observers);
+        if is_over {
+            self.go_back();
         }
         !is_over
+    }
+
+    /// Goes back to the tick of the worst touch. Returns false if there was none.
+    pub(super) fn go_back(&mut self) -> bool {
+        let Some(Touches { worst, .. }) = self.touches.take() else { return false };
+        (self.world, self.actions, self.observers) = (worst.world, worst.actions, worst.observers);
+        true
     }
 
     /// Whether the car can touch a pedestrian beside this one. In another simulator nobody can leave the world.
