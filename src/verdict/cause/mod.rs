@@ -19,6 +19,7 @@ mod plan;
 mod profile;
 mod sentence;
 mod setting;
+mod shown;
 mod shrink;
 mod violated;
 

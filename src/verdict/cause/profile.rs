@@ -1,7 +1,7 @@
 use super::Rerun;
 use super::altered::BRAKING;
 use super::experiments::Experiments;
-use super::explain::SPARE;
+use super::shown::SPARE;
 use episode::VehicleFrame;
 use road::geometry::{Vector, wrap_angle};
 
@@ -38,6 +38,8 @@ const HALVINGS: u32 = 6;
 pub(super) struct Profile {
     /// Speed of the car then (m/s).
     pub speed: f64,
+    /// How much faster it drives on the empty road than it wants to (m/s), by the speed limit: a driver that keeps limits misreads its speed.
+    pub excess: f64,
     /// Until its commands change for somebody near (s), at least and at most; `None` if they never do.
     pub latency: Option<(f64, f64)>,
     /// Whether its commands do not change for somebody near at some ticks, while the car goes straight on.
@@ -50,6 +52,8 @@ pub(super) struct Profile {
     pub gap: Option<f64>,
     /// Its hardest deceleration (m/s²).
     pub deceleration: f64,
+    /// Time from its first braking for somebody near until nine tenths of its hardest (s).
+    pub rise: f64,
     /// Whether it lets go of the brake while the car moves and is not there yet.
     pub releases: bool,
     /// Whether it presses its brake harder, or leaves its way, for somebody who is near.
@@ -80,7 +84,8 @@ impl Profile {
         let dt = experiments.dt();
         let (from, first, straight) = unhurried(empty.trace.vehicle(0), experiments.base.outcome.ticks, dt);
         let speed = empty.trace.vehicle(0).get(from as usize)?.state.speed;
-        let mut profile = Self { speed, ..Self::default() };
+        let fastest = empty.trace.vehicle(0).iter().map(|frame| frame.state.speed).fold(0.0, f64::max);
+        let mut profile = Self { speed, excess: fastest - experiments.speed_limit(), ..Self::default() };
         let mut probe = Probe { experiments, from, speed: 1.0, empty, gives_way: false };
         for begin in [from, first] {
             if profile.latency.is_some() {
@@ -95,6 +100,7 @@ impl Profile {
                 let time = f64::from(response.tick - probe.from) * dt;
                 let (least, most) = profile.latency.unwrap_or((time, time));
                 profile.latency = Some((least.min(time), most.max(time)));
+                profile.rise = profile.rise.max(response.rise(dt));
                 profile.note(&response, NEAR, dt);
             }
         }
@@ -138,6 +144,18 @@ impl Profile {
         before.by_ref().find(|frame| brakes(frame));
         self.releases |= before.take_while(|frame| frame.state.speed > MOVING).any(|frame| !brakes(frame));
         pressed
+    }
+}
+
+impl Response {
+    /// Time from the first braking until nine tenths of the hardest in the next seconds (s).
+    fn rise(&self, dt: f64) -> f64 {
+        let frames = self.rerun.trace.vehicle(0).iter().skip(self.tick as usize + 1);
+        let brakes: Vec<f64> =
+            frames.map(|frame| frame.driven.control.brake).take((GIVES_WAY.0 / dt) as usize).collect();
+        let hardest = brakes.iter().copied().fold(0.0, f64::max);
+        let first = |least: f64| brakes.iter().position(|brake| *brake > least).unwrap_or(0) as f64 * dt;
+        first(0.9 * hardest) - first(BRAKING)
     }
 }
 

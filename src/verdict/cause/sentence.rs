@@ -10,7 +10,12 @@ pub(super) fn faculty(weakness: Weakness) -> Option<&'static str> {
         Weakness::Anticipation => 1,
         Weakness::WeakBrake | Weakness::LetsGo => 2,
         Weakness::Delay => 3,
-        Weakness::Distance | Weakness::Corridor | Weakness::Ignores | Weakness::NotFound => return None,
+        Weakness::Distance
+        | Weakness::Corridor
+        | Weakness::Speed
+        | Weakness::Reaction
+        | Weakness::Ignores
+        | Weakness::NotFound => return None,
     };
     Some(FACULTIES[place])
 }
@@ -47,26 +52,23 @@ impl Cause {
         let without = self.without.as_ref().map(|what| format!("without {what} it avoids it"));
         let without = without.map(|without| format!("; {without}")).unwrap_or_default();
         let setting = self.setting.as_ref().map_or(String::new(), |setting| format!(" {}", setting.text()));
+        let draws =
+            |[avoided, all]: [u32; 2]| format!(" With other draws of the driver it avoids it in {avoided} of {all}.");
+        let setting = setting + &self.draws.map(draws).unwrap_or_default();
         format!(
             "{violated}{who} {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{without}.{setting}{cut}",
             self.seen
         )
     }
 
-    /// What it lacks and what avoids it, as a part of a sentence. Where the repair of what is named is not enough, one that is leads.
+    /// What it lacks and what avoids it, as a part of a sentence.
     pub fn why(&self) -> String {
-        // From the other side a pedestrian often misses the way of the car, so that run shows nothing if it fails.
-        let is_tried =
-            matches!(self.weakness, Weakness::Range | Weakness::Distance | Weakness::Delay | Weakness::Anticipation);
         let is_enough = self.enough.contains(&self.weakness);
-        let (lack, own) = (self.lack(), self.repair(self.weakness));
+        let lack = self.lack();
         match self.repairs().as_slice() {
             [one, other] if is_enough => format!("{lack}; either of these alone avoids it: {one}, or {other}"),
-            _ if is_enough => lack,
-            [one, ..] if is_tried => format!("{one} alone avoids it, {own} alone does not; {lack}"),
-            [one, ..] => format!("{lack}; {one} alone avoids it"),
-            [] if is_tried => format!("{lack}; {own} alone does not avoid it"),
-            [] => lack,
+            [one, ..] if !is_enough => format!("{lack}; {one} alone avoids it"),
+            _ => lack,
         }
     }
 
@@ -89,8 +91,10 @@ impl Cause {
             Weakness::WeakBrake => "full braking once it brakes",
             Weakness::LetsGo => "to keep the brake",
             Weakness::Distance => "to brake farther ahead",
-            Weakness::Anticipation => "a true forecast of the pedestrian",
+            Weakness::Anticipation => "a forecast of the pedestrian's way",
             Weakness::Corridor => "a wider corridor",
+            Weakness::Speed => "to read its speed right",
+            Weakness::Reaction => "no reaction to the pedestrian",
             Weakness::Ignores | Weakness::NotFound => "to brake for people",
         }
         .into()
@@ -119,7 +123,7 @@ impl Cause {
             }
             Weakness::Range => match amount {
                 Some(range) => {
-                    format!("here it notices somebody in its way only {range:.1} m before its bumper, also when faster")
+                    format!("it notices people in its way only {range:.1} m ahead, at any speed")
                 }
                 None => "its sensors do not reach far enough".into(),
             },
@@ -136,14 +140,19 @@ impl Cause {
             ),
             Weakness::LetsGo => "it lets go of the brake, and avoids it if it keeps it".into(),
             Weakness::Distance => {
-                let at = amount.map(|gap| format!(", here for somebody in its way only {gap:.1} m before its bumper"));
+                let at = amount.map(|gap| format!(", only {gap:.1} m ahead of somebody in its way"));
                 format!("it brakes too late for its speed{}", at.unwrap_or_default())
             }
-            Weakness::Anticipation => "it does not expect where the pedestrian will be".into(),
+            Weakness::Anticipation => "it does not expect where the pedestrian will be, its commands are the same as if they stood".into(),
             Weakness::Corridor => {
                 let aside = amount.map_or(String::new(), |aside| format!(" {aside:.1} m"));
                 format!("the pedestrian is outside the corridor that it watches; with{aside} more it avoids it")
             }
+            Weakness::Speed => format!(
+                "on an empty road it drives {:.1} m/s above the limit, as if it read its speed so much too low",
+                amount.unwrap_or(0.0)
+            ),
+            Weakness::Reaction => "its reaction leads into the pedestrian, whom it misses if it does not see them".into(),
             Weakness::NotFound => "a cause was not found".into(),
         }
     }
@@ -234,23 +243,19 @@ mod tests {
     }
 
     #[test]
-    fn what_avoids_it_leads_where_the_repair_of_what_is_named_does_not() {
+    fn another_repair_that_is_enough_is_said() {
         let said = |weakness, enough: &[Weakness], perfect| {
             let cause = Cause { weakness, enough: enough.into(), faculties: vec![(perfect, true)], ..Cause::default() };
             cause.why().replace(&cause.lack(), "LACK")
         };
-        let forecast = "a true forecast of the pedestrian alone avoids it";
-        let (prediction, brake) = ("perfect prediction", "a perfect brake");
-        let only = said(Weakness::Range, &[Weakness::Anticipation], prediction);
-        assert_eq!(only, format!("{forecast}, a longer range alone does not; LACK"));
-        assert_eq!(said(Weakness::BlindSide, &[Weakness::Anticipation], prediction), format!("LACK; {forecast}"));
-        let of_brake = said(Weakness::Range, &[], brake);
-        assert_eq!(of_brake, "a perfect brake alone avoids it, a longer range alone does not; LACK");
-        let both = said(Weakness::Range, &[Weakness::Range], brake);
+        let forecast = "a forecast of the pedestrian's way alone avoids it";
+        assert_eq!(
+            said(Weakness::BlindSide, &[Weakness::Anticipation], "perfect prediction"),
+            format!("LACK; {forecast}")
+        );
+        let both = said(Weakness::Range, &[Weakness::Range], "a perfect brake");
         assert_eq!(both, "LACK; either of these alone avoids it: a longer range, or a perfect brake");
         assert_eq!(said(Weakness::Delay, &[Weakness::Delay], "no delay"), "LACK", "the cause says it");
-        let none = Cause { weakness: Weakness::Range, ..Cause::default() };
-        assert!(none.why().ends_with("; a longer range alone does not avoid it"), "{}", none.why());
     }
 
     #[test]

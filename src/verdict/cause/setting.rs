@@ -5,9 +5,9 @@ use super::{Change, TurnedBy};
 use crate::natural_traffic;
 use episode::{PolicyMaker, Scenario, Setting};
 
-/// Ratios of a setting's value that are tried, and values in its unit if it is 0.
-const RATIOS: [f64; 4] = [1.25, 1.6, 2.5, 5.0];
-const FROM_ZERO: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+/// Ratios of a setting's value that are tried, and values in its unit if it is 0: no more than what people would set.
+const RATIOS: [f64; 3] = [1.25, 1.6, 2.0];
+const FROM_ZERO: [f64; 3] = [0.25, 0.5, 1.0];
 /// Size of a change, as a logarithm of the ratio, below which a bisection stops: less shifts the timing alone.
 const MIN_CHANGE: f64 = 0.05;
 /// Steps of a bisection.

@@ -26,8 +26,12 @@ choice! {
         Distance = "distance",
         /// It does not expect where the pedestrian will be.
         Anticipation = "anticipation",
+        /// It takes its speed for less than it is.
+        Speed = "speed",
         /// The corridor that it watches is too narrow.
         Corridor = "corridor",
+        /// What it does for the pedestrian leads into them.
+        Reaction = "reaction",
         /// No change that was tried explains it.
         #[default]
         NotFound = "not_found",
