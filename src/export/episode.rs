@@ -67,6 +67,8 @@ pub(super) struct Actor<'a> {
     /// Its role in the cast, with a number where others have it, too: `ego`, `child`, `crowd`, `crowd_2`, ….
     pub name: String,
     pub shape: Shape<'a>,
+    /// Whether the ego has touched it before the touch that counts: it lies there.
+    pub is_struck: bool,
     /// At the start, and after each tick; never empty.
     pub track: Vec<Motion>,
 }
@@ -99,7 +101,11 @@ impl<'a> Episode<'a> {
             (ActorId::Pedestrian(number as u8), Shape::Pedestrian(&role.body), track)
         });
         let all = vehicles.chain(pedestrians).zip(names);
-        all.map(|((id, shape, track), name)| Actor { id, name, shape, track }).collect()
+        let is_struck = |id| match id {
+            ActorId::Pedestrian(number) => !trace.is_present(number.into(), self.ticks()),
+            ActorId::Vehicle(_) => false,
+        };
+        all.map(|((id, shape, track), name)| Actor { id, name, shape, is_struck: is_struck(id), track }).collect()
     }
 
     /// The pedestrian that the verdict is about: the one that the ego touched, or the first: its place among [`Episode::actors`].
@@ -201,13 +207,19 @@ impl<'a> Episode<'a> {
 
     /// What happened, in a line: name, digest, outcome, verdict.
     pub(super) fn summary(&self) -> String {
+        let struck: Vec<String> =
+            self.actors().into_iter().filter(|actor| actor.is_struck).map(|actor| actor.name).collect();
+        let before = match struck.is_empty() {
+            true => String::new(),
+            false => format!(", after touching {}, who lie there", struck.join(" and ")),
+        };
         let end = match self.outcome.impact_speed() {
             Some(speed) => format!("collision at {speed:.2} m/s"),
             None => format!("no collision, least gap {:.2} m", self.outcome.least_gap),
         };
         let verdict = self.verdict.map(|verdict| format!(", {}", verdict.word())).unwrap_or_default();
         let cause = self.cause.map(|cause| format!(". {cause}")).unwrap_or_default();
-        format!("{} ({}), digest {:016x}: {end}{verdict}{cause}", self.name, self.title, self.outcome.digest)
+        format!("{} ({}), digest {:016x}: {end}{before}{verdict}{cause}", self.name, self.title, self.outcome.digest)
     }
 
     /// The first tick at which the ego's box overlaps a box of this size (m) around the middle of a pedestrian, given by its place among the

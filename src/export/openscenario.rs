@@ -412,9 +412,12 @@ impl<'a> Storyboard<'a> {
         });
     }
 
-    /// The ego touches a pedestrian, or time is over.
+    /// The ego touches a pedestrian, of the recorded ones none that it touched before, or time is over.
     fn stop(&self, xml: &mut Xml) {
-        for actor in self.actors.iter().filter(|actor| matches!(actor.id, ActorId::Pedestrian(_))) {
+        let is_recorded = self.variant == Variant::default();
+        let is_pedestrian = |actor: &Actor| matches!(actor.id, ActorId::Pedestrian(_));
+        let counts = |actor: &&Actor| is_pedestrian(actor) && !(is_recorded && actor.is_struck);
+        for actor in self.actors.iter().filter(counts) {
             let name = format!("collision_{}", actor.name);
             xml.within(&["ConditionGroup"], |xml| {
                 self.by_entity(xml, &name, &self.actors[0].name, |xml| {

@@ -241,7 +241,7 @@ impl Simulation for BudgetedSimulation<'_> {
     fn decide(&mut self, commands: &[WalkCommand]) {
         let rule = &self.scenario.episode;
         self.before = self.scene().world.ticks;
-        let longest = rule.hold.min(rule.ticks - self.before);
+        let longest = rule.hold.min(rule.ticks - self.before) + self.scenario.most_ticks_beyond();
         self.spent |= self.left() < longest.into();
         if !self.spent {
             self.simulation.decide(commands);
@@ -255,7 +255,7 @@ impl Simulation for BudgetedSimulation<'_> {
         }
         let step = self.simulation.tick();
         if step.is_some() {
-            self.used += u64::from(self.scene().world.ticks - self.before);
+            self.used += u64::from(self.scene().world.ticks - self.before + self.simulation.ticks_beyond());
             if let Some(clock) = &mut self.clock {
                 clock.push(self.used);
             }

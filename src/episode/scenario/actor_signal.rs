@@ -48,7 +48,7 @@ pub(super) fn signals() -> Vec<Variable> {
     ]
 }
 
-/// The value of a signal after a tick (SI). What is not in the world is far away and out of sight.
+/// The value of a signal after a tick (SI). What is not in the world is far away and out of sight; whom the car has struck lies there.
 pub(crate) fn value(world: &World, ActorSignal { of, to, signal }: ActorSignal, contact: Option<&Contact>) -> f64 {
     let (of, to) = (ActorId::of_code(of), ActorId::of_code(to));
     let ((place, present, own), (origin, there, other)) = (pose(world, of), pose(world, to));
@@ -77,7 +77,7 @@ fn pose(world: &World, actor: ActorId) -> (Pose, bool, Place) {
         }
         ActorId::Pedestrian(number) => {
             let pedestrian = &world.pedestrians[usize::from(number)];
-            (pedestrian.state.pose, pedestrian.is_present, pedestrian.state.place())
+            (pedestrian.state.pose, pedestrian.is_present || pedestrian.is_struck, pedestrian.state.place())
         }
     }
 }

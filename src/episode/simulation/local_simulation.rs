@@ -58,6 +58,8 @@ pub struct LocalSimulation {
     episode: Episode,
     /// The touches up to now, while it is open whether there is another.
     touches: Option<Touches>,
+    /// Ticks that were simulated after the last one of the episode.
+    ticks_beyond: u32,
     observers: Observers,
     /// Memory for the commands of a tick.
     scratch: Vec<WalkCommand>,
@@ -134,6 +136,7 @@ impl LocalSimulation {
             drivers,
             script: Script::default(),
             touches: None,
+            ticks_beyond: 0,
             episode: Episode::new(0, nowhere, &placing),
             placing,
         }
@@ -283,6 +286,10 @@ impl Simulation for LocalSimulation {
 
     fn run_up_ticks(&self) -> u32 {
         self.run_up.ticks
+    }
+
+    fn ticks_beyond(&self) -> u32 {
+        self.ticks_beyond
     }
 
     #[inline]

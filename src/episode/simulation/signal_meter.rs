@@ -5,7 +5,7 @@ use crate::scenario::actor_signal::FARTHEST;
 use crate::scenario::signal::{AHEAD, HORIZON, Situation, Wanted};
 use road::geometry::{OrientedBox, Point, Vector, polygon, time_to_touch};
 use road::{Crosswalk, Place, TrafficLight};
-use world::sim::{ActorId, Contact, LightColour, World};
+use world::sim::{ActorId, Contact, LightColour, Pedestrian, World};
 
 /// How far from a crosswalk a pedestrian still waits at it (m).
 const WAITING: f64 = 1.5;
@@ -157,7 +157,8 @@ impl SignalMeter {
                     let apart = here.map_or(f64::INFINITY, |corners| polygon::distance(corners, place.point));
                     reach.0 <= apart && apart <= reach.1
                 };
-                f64::from(world.pedestrians.iter().any(|walker| within(walker.state.place())))
+                let there = |walker: &Pedestrian| walker.is_present && within(walker.state.place());
+                f64::from(world.pedestrians.iter().any(there))
             };
             now.crosswalk_distance = distance;
             now.crosswalk_taken = near((0.0, 0.0));

@@ -50,6 +50,11 @@ pub trait Simulation: Send {
         0
     }
 
+    /// The ticks that were simulated after the last one of an episode, to see whether the car touches another pedestrian.
+    fn ticks_beyond(&self) -> u32 {
+        0
+    }
+
     /// Why the driver failed in the run-up, which the next tick reports; `None` if it did not.
     fn failed_run_up(&self) -> Option<Fault> {
         None

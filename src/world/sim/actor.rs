@@ -1,5 +1,5 @@
 use super::{Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand};
-use road::geometry::{Obstacles, OrientedBox};
+use road::geometry::{Obstacles, OrientedBox, Vector};
 use road::{FIRST_LIMIT, Town};
 
 /// The identity of an actor of a world: its number among the vehicles or among the pedestrians. It stays the same for a whole episode.
@@ -147,6 +147,8 @@ pub struct Pedestrian {
     pub state: PedestrianState,
     /// Whether it is in the world: otherwise it stays where it is, and nobody sees or touches it.
     pub is_present: bool,
+    /// Whether it is there no more since a car has struck it: it lies where it is.
+    pub is_struck: bool,
     /// Its state one tick earlier.
     pub(super) before: PedestrianState,
 }
@@ -155,12 +157,18 @@ impl Pedestrian {
     /// A pedestrian that stands at the origin.
     pub(super) fn new(body: PedestrianBody) -> Self {
         let state = PedestrianState::default();
-        Self { body, state, is_present: true, before: state }
+        Self { body, state, is_present: true, is_struck: false, before: state }
+    }
+
+    /// Takes it out of the world, since a car has struck it.
+    pub fn strike(&mut self) {
+        (self.is_present, self.is_struck) = (false, true);
+        self.state.velocity = Vector::zeros();
     }
 
     /// Places the pedestrian at the start of an episode.
     pub(super) fn begin(&mut self, state: PedestrianState) {
-        (self.state, self.before) = (state, state);
+        (self.state, self.before, self.is_struck) = (state, state, false);
     }
 
     /// Simulates one tick.

@@ -31,7 +31,7 @@ impl LocalSimulation {
         self.observers.clear(scenario);
         self.actions.starts.copy_from_slice(&self.placing.pedestrians);
         self.actions.contact = None;
-        (self.failed_walker, self.touches) = (None, None);
+        (self.failed_walker, self.touches, self.ticks_beyond) = (None, None, 0);
         self.walkers.begin(&seed);
         self.run_up.clear();
         match &scenario.spawn.ego_speed {

@@ -1,10 +1,18 @@
 use super::LocalSimulation;
 use super::touched::{Severity, Touched, Touches};
-use crate::MOVING_ABOVE;
+use crate::{MOVING_ABOVE, Scenario};
 use world::sim::Contact;
 
 /// An episode goes on for this time after the car has touched somebody (s): as long as a verdict lets the pedestrian go on.
 const GOES_ON: f64 = 5.0;
+
+impl Scenario {
+    /// The most ticks that are simulated after the last one of an episode, to see whether the car touches another pedestrian.
+    pub fn most_ticks_beyond(&self) -> u32 {
+        let is_open = self.cast.pedestrians.len() > 1 && self.external_world.is_none();
+        if is_open { (GOES_ON / self.episode.tick) as u32 } else { 0 }
+    }
+}
 
 /// The first touch does not hide a second: whom the car has touched leaves the world, and the others keep their commands. The episode is that of
 /// the worst touch; of equal ones, of the first.
@@ -12,6 +20,11 @@ impl LocalSimulation {
     /// Whether the episode goes on after this tick, since the car has touched a pedestrian and may touch another. At its end the simulation is
     /// in the tick of the worst touch.
     pub(super) fn goes_on(&mut self) -> bool {
+        // What comes after the end of the road, or beside it, does not count.
+        if self.touches.is_some() && self.observers.road.left_out.is_some() {
+            self.go_back();
+            return false;
+        }
         while let Some((hit, number)) = self.actions.contact.and_then(|hit| Some((hit, hit.pedestrian_at_ego()?))) {
             if self.touches.is_none() && !self.has_others(number) {
                 return false;
@@ -27,7 +40,7 @@ impl LocalSimulation {
             if severity == Severity::Fault || !self.has_others(number) {
                 break;
             }
-            self.world.pedestrians[number].is_present = false;
+            self.world.pedestrians[number].strike();
             self.actions.contact = self.world.first_contact();
             self.observers.touch(number, self.actions.contact);
         }
@@ -42,6 +55,7 @@ impl LocalSimulation {
     /// Goes back to the tick of the worst touch. Returns false if there was none.
     pub(super) fn go_back(&mut self) -> bool {
         let Some(Touches { worst, .. }) = self.touches.take() else { return false };
+        self.ticks_beyond = self.world.ticks - worst.world.ticks;
         (self.world, self.actions, self.observers) = (worst.world, worst.actions, worst.observers);
         true
     }

@@ -41,6 +41,8 @@ pub struct ReplayedReport {
     pub report: StoredReport,
     /// The number of episodes and failures that were repeated.
     pub repeated: usize,
+    /// The rows that name an episode which another row names.
+    pub copies: usize,
     /// Those that differ, in the order of their runs.
     pub different: Vec<Repeated>,
     /// The repeated trainings, if they were asked for.
@@ -64,7 +66,8 @@ pub struct Retrained {
 impl ReplayedReport {
     /// Whether everything is equal to the report.
     pub fn is_equal(&self) -> bool {
-        self.different.is_empty()
+        self.copies == 0
+            && self.different.is_empty()
             && self.changed_files.is_empty()
             && self.trainings.as_ref().is_none_or(|trainings| trainings.different.is_empty())
     }
@@ -84,12 +87,15 @@ impl Session {
         report.check_readable()?;
         let source = self.reopen(report, repeat)?;
         let changed_files = source.report.changed_files()?;
-        let names = chosen(&source, options.sample)?;
-        let repeated = names.len();
+        let mut names = chosen(&source, options.sample)?;
+        let rows = names.len();
+        names.sort_unstable_by_key(|name| (name.run, name.number));
+        names.dedup();
+        let (repeated, copies) = (names.len(), rows - names.len());
         let different = differing(&source, names)?;
         let trainings = options.trainings.then(|| retrain(&source));
         let programs = source.changed_programs();
-        Ok(ReplayedReport { report: source.report, repeated, different, trainings, changed_files, programs })
+        Ok(ReplayedReport { report: source.report, repeated, copies, different, trainings, changed_files, programs })
     }
 }
 
@@ -158,6 +164,10 @@ pub fn tell(replayed: &ReplayedReport) -> ExitCode {
     }
     if different.len() > MAX_SHOWN {
         console::fail(&format!("… and {} more", different.len() - MAX_SHOWN));
+    }
+    if replayed.copies > 0 {
+        let rows = console::count(replayed.copies, "row");
+        console::fail(&format!("{rows} of its tables name an episode or a failure that another row names"));
     }
     for file in &replayed.changed_files {
         console::fail(&format!("`{file}` is not as it was written"));
