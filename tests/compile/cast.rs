@@ -303,7 +303,14 @@ fn a_first_touch_does_not_hide_a_worse_one() {
             }
             assert_eq!(copy.outcome(), Some(&outcome));
         }
+        assert_eq!(env.ticks_beyond(), 0, "a fault cannot be worse");
     }
+    let mut open = flank_and_lane(150.0).simulation();
+    open.start(Draw::new(&Seed::root(1), 0));
+    while open.outcome().is_none() {
+        carry_out(&mut *open, &[STANDING; 2], &mut Trace::new(&flank_and_lane(150.0)));
+    }
+    assert_eq!(open.ticks_beyond(), flank_and_lane(150.0).most_ticks_beyond());
     // More than five seconds later it is another story, and the episode is that of the first touch.
     let (pedestrian, class, outcome, trace) = judged(&flank_and_lane(125.0));
     assert_eq!((pedestrian, class, outcome.ticks), (1, Class::Flank, far.2.ticks));
@@ -580,17 +587,37 @@ fn a_campaign_names_its_cast_and_the_block_moves_the_one_that_is_left() {
     assert!(first.iter().any(Outcome::is_collision) && first.iter().all(|outcome| outcome.fault().is_none()));
 }
 
-#[test]
-fn requirements_name_roles_and_hold_of_every_member_of_a_group() {
-    let rooms = "requirement room = always(min(crowd.gap) > 0.2 m)\nrequirement shadow = eventually(gap(child, van) < 60 m and van.ahead > 0 m)\ncampaign";
+/// A scenario of the cast with these requirements.
+fn cast_with(requirements: &str, names: &str) -> Arc<Scenario> {
     let text = CAST
-        .replace("campaign", rooms)
-        .replace("episode: thirty_seconds", "episode: thirty_seconds  requirements: [room, shadow]");
+        .replace("campaign", &format!("{requirements}\ncampaign"))
+        .replace("episode: thirty_seconds", &format!("episode: thirty_seconds  requirements: [{names}]"));
     let root = crate::repository().join("scenarios/cast.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    let scenario = plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone();
+    plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
+}
+
+/// Whom the car has touched lies there, and is not far away.
+#[test]
+fn a_requirement_knows_where_the_first_touched_lies() {
+    let near = cast_with("requirement near = always(friend.gap < 50 m)", "near").requirements.clone();
+    let mut scenario = Scenario::clone(&flank_and_lane(110.0));
+    scenario.requirements = near;
+    let scenario = Arc::new(scenario);
+    let (outcome, trace) = run(&scenario, [STANDING; 2]);
+    assert!(matches!(outcome.ending, Ending::Touch { pedestrian: 0, .. }), "{outcome:?}");
+    let [near] = trace.degrees() else { panic!("one requirement") };
+    assert!((15.0..35.0).contains(&near.robustness), "{near:?}");
+    let again = episode::OtherDrive::recorded(trace.main_pair(&scenario), &scenario.requirements[0].requirement);
+    assert!((again.robustness - near.robustness).abs() < 1e-9, "{} and {}", again.robustness, near.robustness);
+}
+
+#[test]
+fn requirements_name_roles_and_hold_of_every_member_of_a_group() {
+    let rooms = "requirement room = always(min(crowd.gap) > 0.2 m)\nrequirement shadow = eventually(gap(child, van) < 60 m and van.ahead > 0 m)";
+    let scenario = cast_with(rooms, "room, shadow");
     let still = WalkCommand { heading: 0.0, speed: 0.0 };
     let mut env = scenario.simulation();
     let mut trace = Trace::new(&scenario);
