@@ -97,7 +97,8 @@ fn gap(world: &World, of: ActorId, to: ActorId) -> f64 {
             first.separation(&second).norm()
         }
         (ActorId::Vehicle(car), ActorId::Pedestrian(walker)) | (ActorId::Pedestrian(walker), ActorId::Vehicle(car)) => {
-            world.gap(car.into(), walker.into())
+            let (car, walker) = (&world.vehicles[usize::from(car)], &world.pedestrians[usize::from(walker)]);
+            walker.state.gap_to(&car.outline(), &walker.body)
         }
         (ActorId::Pedestrian(a), ActorId::Pedestrian(b)) => {
             let [first, second] = [a, b].map(|number| &world.pedestrians[usize::from(number)]);
