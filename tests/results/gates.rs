@@ -38,7 +38,7 @@ fn letters(cells: &DataFrame, text: &str) -> String {
 
 fn of_gate(cells: &DataFrame, gate: &Gate) -> String {
     let letter = |judged: &Judged| match judged {
-        Judged::Passed => 'p',
+        Judged::Passed(_) => 'p',
         Judged::Broken(_) => 'b',
         Judged::Missing(_) => 'm',
         Judged::NoValue(_) => 'v',

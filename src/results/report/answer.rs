@@ -2,14 +2,17 @@
 
 use super::caution::CRAWLS;
 use super::{DriverResult, Findings};
+use crate::jobs::KINDS;
+use crate::tables::FAULT_VIOLATIONS;
 use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
 
-/// A sentence about each driver under test, in the order of the report; about the baselines if there is no other.
+/// A sentence about each driver under test, in the order of the report, or about the baselines if there is no other; then those of kinds of jobs.
 pub fn answer(found: &Findings<'_>) -> Vec<String> {
     let tested: Vec<&DriverResult> =
         found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians()).collect();
     let shown = if tested.is_empty() { found.drivers.iter().collect() } else { tested };
-    shown.into_iter().filter(|result| result.episodes > 0).map(|result| sentence(found, result)).collect()
+    let drivers = shown.into_iter().filter(|result| result.episodes > 0).map(|result| sentence(found, result));
+    drivers.chain(KINDS.iter().flat_map(|kind| (kind.answer)(found))).collect()
 }
 
 fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
@@ -21,7 +24,11 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
             (faults + u64::from(cell.count(&FAULT_COLLISIONS)), episodes + u64::from(cell.count(&EPISODES)))
         })
     };
-    let tried = [(counts(false), "episodes"), (counts(true), "cases of tests")];
+    let mut tests: Vec<&str> = Vec::new();
+    let cases = found.gathered.protocol.iter().filter(|case| case.policy == *name);
+    cases.for_each(|case| tests.extend(Some(&*case.test).filter(|test| !tests.contains(test))));
+    let cases = format!("cases of {}", tests.join(", "));
+    let tried = [(counts(false), "episodes"), (counts(true), &*cases)];
     let searched = result.searched.filter(|searched| searched.episodes > 0);
     let of_searches = searched.map_or(0, |searched| searched.fault as u64);
     let mut parts = Vec::new();
@@ -41,14 +48,23 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
     let worst = result
         .worst
         .as_ref()
-        .filter(|worst| worst.fault)
+        .filter(|worst| worst.fault && worst.violation.is_none())
         .map(|worst| format!("the worst at {:.1} m/s", worst.impact_speed));
     parts.extend(worst);
+    let required = found.gathered.requirements.iter().filter(|cell| cell.key.policy == *name);
+    let breaches = required.map(|cell| u64::from(cell.count(&FAULT_VIOLATIONS))).sum::<u64>()
+        + searched.map_or(0, |searched| searched.breaches as u64);
+    match breaches {
+        0 => {}
+        1 => parts.push("1 breach of a requirement".into()),
+        breaches => parts.push(format!("{breaches} breaches of requirements")),
+    }
     let progress = result.price.map(|price| price.progress);
     parts.extend(progress.map(|progress| format!("progress {progress:.2}")));
     let verdict = match progress {
         _ if of_searches + tried.iter().map(|((faults, _), _)| faults).sum::<u64>() > 0 => "fails",
         Some(progress) if progress < CRAWLS => "hardly drives",
+        _ if breaches > 0 => "breaks requirements and has no fault",
         _ => "has no fault",
     };
     format!("{name} {verdict}: {}", parts.join("; "))

@@ -1,7 +1,8 @@
 use std::fmt;
 
-use super::aggregate::{DriverResult, SearchCell};
+use super::aggregate::SearchCell;
 use super::off_road::{OffRoadDriver, off_road};
+use super::price::DriverPrice;
 use crate::jobs::SearchResult;
 use crate::record::columns::{TOWN, WORLD};
 use crate::record::in_world;
@@ -64,7 +65,7 @@ pub fn cautions(
     cells: &Cells,
     results: &[SearchResult],
     searches: &[SearchCell],
-    drivers: &[DriverResult],
+    prices: &[(String, DriverPrice)],
 ) -> Vec<Caution> {
     // Episodes that are left out fitted into the budget; why they are is said of the driver. So is why a search ended early.
     let is_lost = |search: &SearchCell| {
@@ -73,10 +74,10 @@ pub fn cautions(
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
     let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget() });
-    let crawls = drivers.iter().filter_map(|result| {
-        let price = result.price.filter(|_| result.episodes > 0)?;
-        let progress = format!("{:.0} %", 100.0 * price.progress);
-        (price.progress < CRAWLS).then(|| Caution::Crawls { driver: result.driver.name.clone(), progress })
+    let crawls = prices.iter().filter(|(_, price)| price.progress < CRAWLS);
+    let crawls = crawls.map(|(driver, price)| Caution::Crawls {
+        driver: driver.clone(),
+        progress: format!("{:.0} %", 100.0 * price.progress),
     });
     let off_road = off_road(cells, results).into_iter().map(Caution::OffRoad);
     off_road.chain(crawls).chain(no_chance(cells)).chain(empty).collect()
