@@ -95,7 +95,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Natural encounters of a driver in a town without the key `price`: this number, or this part of its episodes there.
+/// Natural encounters of a driver in a town without the key `price`: this number, or this part of the episodes there of the driver with most of them.
 const PRICED: (u64, u64) = (200, 10);
 
 /// The prices of the drivers of a campaign: of each in each town, in the first setting in which a job tries it. A test has a place for each of its cases, and another simulator
@@ -112,11 +112,13 @@ fn prices(campaign: &Campaign, starts: Option<u32>) -> Vec<Pricing> {
             None => all.push((Pricing::new(job.origin(), [town, policy], scenario), episodes)),
         }
     }
-    let priced = |(mut price, episodes): (Pricing, u64)| {
-        price.starts = starts.unwrap_or((episodes / PRICED.1).min(PRICED.0) as u32);
-        (price.starts > 0).then_some(price)
+    // Prices in a town are of the same starts.
+    let most = |town: &str| {
+        all.iter().filter(|(each, _)| each.town == town).map(|(_, episodes)| *episodes).max().unwrap_or_default()
     };
-    all.into_iter().filter_map(priced).collect()
+    let starts = |town: &str| starts.unwrap_or((most(town) / PRICED.1).min(PRICED.0) as u32);
+    let priced = all.iter().map(|(price, _)| Pricing { starts: starts(&price.town), ..price.clone() });
+    priced.filter(|price| price.starts > 0).collect()
 }
 
 /// The town, the driver, the setting and the number of episodes of a job that tries a driver; of one with a budget of ticks the least number.

@@ -1,10 +1,15 @@
 //! The answer of a report: what was found about each driver under test, in a sentence.
 
+use std::collections::BTreeMap;
+
 use super::caution::CRAWLS;
 use super::{DriverResult, Findings};
 use crate::jobs::KINDS;
-use crate::tables::FAULT_VIOLATIONS;
 use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
+use crate::tables::{APPLIED, FAULT_VIOLATIONS, REQUIREMENT};
+
+/// Above this share of encounters, surely, needless braking is a part of the answer.
+const STANDS: f64 = 0.05;
 
 /// A sentence about each driver under test, in the order of the report, or about the baselines if there is no other; then those of kinds of jobs.
 pub fn answer(found: &Findings<'_>) -> Vec<String> {
@@ -51,21 +56,33 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
         .filter(|worst| worst.fault && worst.violation.is_none())
         .map(|worst| format!("the worst at {:.1} m/s", worst.impact_speed));
     parts.extend(worst);
-    let required = found.gathered.requirements.iter().filter(|cell| cell.key.policy == *name);
-    let breaches = required.map(|cell| u64::from(cell.count(&FAULT_VIOLATIONS))).sum::<u64>()
-        + searched.map_or(0, |searched| searched.breaches as u64);
-    match breaches {
-        0 => {}
-        1 => parts.push("1 breach of a requirement".into()),
-        breaches => parts.push(format!("{breaches} breaches of requirements")),
-    }
+    let breached = breaches(found, result);
+    let is_breaking = !breached.is_empty();
+    parts.extend(breached);
     let progress = result.price.map(|price| price.progress);
     parts.extend(progress.map(|progress| format!("progress {progress:.2}")));
+    let needless = result.price.and_then(|price| price.needless()).filter(|(_, (low, _))| *low > STANDS);
+    parts.extend(needless.map(|(share, _)| format!("brakes needlessly in {:.0} % of encounters", 100.0 * share)));
     let verdict = match progress {
         _ if of_searches + tried.iter().map(|((faults, _), _)| faults).sum::<u64>() > 0 => "fails",
         Some(progress) if progress < CRAWLS => "hardly drives",
-        _ if breaches > 0 => "breaks requirements and has no fault",
+        _ if is_breaking => "breaks requirements and has no fault",
         _ => "has no fault",
     };
     format!("{name} {verdict}: {}", parts.join("; "))
+}
+
+/// The breaches of each requirement that has some, and those that searches for them found.
+fn breaches(found: &Findings<'_>, result: &DriverResult) -> Vec<String> {
+    let own = found.gathered.requirements.iter().filter(|cell| cell.key.policy == result.driver.name);
+    let mut counts: BTreeMap<String, [u64; 2]> = BTreeMap::new();
+    for cell in own {
+        let [breaches, applied] = counts.entry(cell.text(&REQUIREMENT)).or_default();
+        *breaches += u64::from(cell.count(&FAULT_VIOLATIONS));
+        *applied += u64::from(cell.count(&APPLIED));
+    }
+    let evaluated = counts.into_iter().filter(|(_, [breaches, _])| *breaches > 0);
+    let evaluated = evaluated.map(|(name, [breaches, of])| format!("a breach of {name} in {breaches} of {of}"));
+    let searched = result.searched.map(|searched| searched.breaches).filter(|breaches| *breaches > 0);
+    evaluated.chain(searched.map(|breaches| format!("{breaches} breaches in searches"))).collect()
 }

@@ -75,7 +75,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
         notes: comparison.caveats.iter().map(ToString::to_string).collect(),
         lead: [answer(comparison), headline(comparison)]
             .into_iter()
-            .chain(comparison.prices.iter().map(|price| format!("{price}.")))
+            .chain(comparison.prices.iter().map(|(price, _)| format!("{price}.")))
             .chain(power(comparison))
             .collect(),
         sections,
@@ -134,7 +134,10 @@ fn answer(comparison: &ReportComparison) -> String {
     let who = Compared::of(&names);
     match [fewer.is_empty(), more.is_empty()].map(|is_none| !is_none) {
         [false, false] => "No difference in faults or collisions is shown.".into(),
-        shown => format!("{}: {}.", who.verdict(shown), [fewer, more].concat().join(", ")),
+        shown => {
+            let costs = comparison.prices.iter().any(|(_, costs)| *costs);
+            format!("{}: {}.", who.verdict(shown, costs), [fewer, more].concat().join(", "))
+        }
     }
 }
 
@@ -152,9 +155,10 @@ impl Compared {
         }
     }
 
-    /// Who is better, where it is shown that the driver after is so, or is worse, or both.
-    pub fn verdict(&self, [better, worse]: [bool; 2]) -> String {
+    /// Who is better, where it is shown that the driver after is so, or is worse, or both, and whether it costs more.
+    pub fn verdict(&self, [better, worse]: [bool; 2], costs: bool) -> String {
         let word = match [better, worse] {
+            [true, false] if costs => "is safer, at a price, than",
             [true, false] => "is better than",
             [false, true] => "is worse than",
             [true, true] => "is better in part and worse in part than",

@@ -58,7 +58,7 @@ fn answer(recheck: &Recheck, list: &DataFrame) -> String {
     let found = [true, false].map(shown);
     match found.iter().flatten().copied().reduce(f64::min) {
         Some(least) => {
-            let verdict = Compared::of(&names).verdict(found.map(|p| p.is_some()));
+            let verdict = Compared::of(&names).verdict(found.map(|p| p.is_some()), false);
             format!("{verdict}: starts of the fixed list with a fault (p {}).", at_most(least))
         }
         None => "No difference in faults is shown on the fixed list.".into(),

@@ -31,7 +31,9 @@ pub fn first(all: &Findings<'_>, numbers: &Section, players: &Players) -> Markup
                 }
             }
             @for figure in &numbers.figures { (figure.to_html()) }
-            @let tables = Section { figures: Vec::new(), ..numbers.clone() };
+            // What a fault is stands above.
+            @let notes = numbers.notes.iter().filter(|note| **note != FAULT).cloned().collect();
+            @let tables = Section { figures: Vec::new(), notes, ..numbers.clone() };
             details { summary { "All numbers of the drivers" } (tables.to_html(&|name| players.link(name))) }
         }
     }

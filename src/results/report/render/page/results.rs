@@ -53,9 +53,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                  The bar is Wilson's 95 % interval over the starts, which the runs share. It shows what more starts of these trainings would show, \
                  not what more trainings would show. “±” is the standard deviation over runs. "
                 em { "Preventable" }
-                ": all careful drivers would have avoided it. "
-                em { "Fault" }
-                ": preventable, with a foreseeable pedestrian, not walked into, at walking pace or more, and not narrowly. Pedestrians of a place meet the same starts. \
+                ": all careful drivers would have avoided it. Pedestrians of a place meet the same starts. \
                  Untrained pedestrians do the same for every reward, so they are here once."
                 " Each column has an axis of its own."
                 @if !found.published.is_empty() { " A hollow diamond is a published figure." }

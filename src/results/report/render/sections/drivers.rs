@@ -27,8 +27,8 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
         name: "Drivers",
         title: "What was found about each driver",
         tables,
-        figures: Vec::from_iter(front(found)),
-        notes: vec![format!("{READING} {FAULT}")],
+        figures: Vec::from_iter(front(found, &FAULT_RATE)),
+        notes: vec![READING.into(), FAULT.into()],
         ..Section::default()
     })
 }
@@ -60,10 +60,11 @@ fn table(results: &[&DriverResult], cells: &Cells) -> Table {
         .column(Column::text("episode").page_only(), |result| {
             result.worst.as_ref().map(|worst| Value::failure(worst.name()))
         })
+        // The answer has the progress in a terminal.
         .when(priced, |shown| {
             let price = |result: &DriverResult| result.price;
             shown
-                .number("progress", move |result| {
+                .column(Column::number("progress (95 %)").page_only(), move |result| {
                     price(result).map(|price| Value::estimate(Some(price.progress), Some(price.ends()), 2))
                 })
                 .column(Column::number("braked needlessly (95 %)").page_only(), move |result| {

@@ -3,18 +3,21 @@
 use crate::report::price::DriverPrice;
 use crate::report::render::svg::{Chart, Curve, Figure, short};
 use crate::report::{DriverResult, Findings, Rate};
-use crate::tables::metrics::FAULT_RATE;
+use crate::tables::Metric;
 
 /// The places of the legend's colours; a driver beyond them has the last one.
 const COLOURS: usize = 6;
 /// The size of the picture.
 const SIZE: (f64, f64) = (338.0, 210.0);
 
-/// The drivers by their progress and the rate of faults in their worst cell; `None` below two that have both.
-pub fn front(found: &Findings<'_>) -> Option<Figure> {
+/// Half of the mark of a driver, as a share of an axis.
+const MARK: f64 = 0.018;
+
+/// The drivers by their progress and their rate of faults in their worst cell; `None` below two that have both.
+pub fn front(found: &Findings<'_>, faults: &Metric) -> Option<Figure> {
     let point = |result: &DriverResult| {
         let cell = &found.cells[result.cell?];
-        let rate = cell.rate(&FAULT_RATE);
+        let rate = cell.rate(faults);
         (!cell.is_fixed_cases()).then_some((result.driver.name.clone(), result.price?, rate.value?, rate))
     };
     let drivers: Vec<_> = found.drivers.iter().filter_map(point).collect();
@@ -24,19 +27,15 @@ pub fn front(found: &Findings<'_>) -> Option<Figure> {
     let high = |rate: &Rate| rate.interval.map_or(0.0, |(_, high)| high);
     let most = drivers.iter().fold(0.01, |most: f64, (.., value, rate)| most.max(*value).max(high(rate)));
     let fastest = drivers.iter().fold(1.0, |most: f64, (_, price, ..)| most.max(price.ends().1));
-    let cross = |(place, (_, price, value, rate)): (usize, &(String, DriverPrice, f64, Rate))| {
-        let ((slow, fast), colour) = (price.ends(), place.min(COLOURS));
-        let (low, high) = rate.interval.unwrap_or((*value, *value));
-        let line = |points: [(f64, f64); 2]| Curve { colour, points: points.into(), ..Curve::default() };
-        [line([(slow, *value), (fast, *value)]), line([(price.progress, low), (price.progress, high)])]
-    };
     let best = Curve {
         colour: COLOURS,
         thin: true,
         points: best(drivers.iter().map(|(_, price, value, _)| (price.progress, *value)).collect()),
         ..Curve::default()
     };
-    let curves: Vec<Curve> = std::iter::once(best).chain(drivers.iter().enumerate().flat_map(cross)).collect();
+    let curves: Vec<Curve> = std::iter::once(best)
+        .chain(drivers.iter().enumerate().flat_map(|(place, driver)| cross(place, driver, (fastest, most))))
+        .collect();
     let chart = Chart {
         size: SIZE,
         x: (0.0, fastest),
@@ -63,6 +62,16 @@ pub fn front(found: &Findings<'_>) -> Option<Figure> {
         panels: vec![chart.panel("Faults and progress".into(), says.trim_end().into(), &curves)],
         ..Figure::default()
     })
+}
+
+/// A driver, with its intervals, on axes that end here.
+fn cross(place: usize, (_, price, value, rate): &(String, DriverPrice, f64, Rate), ends: (f64, f64)) -> [Curve; 3] {
+    let ((slow, fast), x, y) = (price.ends(), price.progress, *value);
+    let (low, high) = rate.interval.unwrap_or((y, y));
+    let (wide, tall) = (MARK * ends.0, MARK * ends.1);
+    let mark = vec![(x - wide, y), (x, y + tall), (x + wide, y), (x, y - tall), (x - wide, y)];
+    let line = |points| Curve { colour: place.min(COLOURS), points, ..Curve::default() };
+    [vec![(slow, y), (fast, y)], vec![(x, low), (x, high)], mark].map(line)
 }
 
 /// The points than which no other has both more of the first and less of the second, by the first.
