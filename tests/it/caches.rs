@@ -72,7 +72,8 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
 
     // The other folder still needs the tasks that one folder no longer needs.
     let other = ["--out", "two", "--cache", "cache", "--seed", "7", "--replace"];
-    run(here, &other);
+    let replaced = said(&run(here, &other));
+    assert!(replaced.replace("\n  ", " ").contains("the report that this one replaces (seed 1) said: "), "{replaced}");
     assert_eq!(tasks(&here.join("cache")), 14);
     let prune = |more: &[&str]| {
         let output = falsify(&[&["status", "--out", "two", "--cache", "cache", "--prune"], more].concat(), here);

@@ -84,6 +84,14 @@ fn a_gate_is_broken_where_all_its_conditions_hold() {
 }
 
 #[test]
+fn a_gate_that_passes_says_what_came_nearest() {
+    let nearest = |text: &str| gate(text).nearest(&gate(text).judge(&cells()));
+    assert_eq!(nearest("preventable_rate > 0.05"), Some((0, "preventable_rate_mean is 0.04".into())));
+    assert_eq!(nearest("preventable_rate > 0.01"), None, "none passes");
+    assert_eq!(nearest("beats_untrained != yes"), None, "no number");
+}
+
+#[test]
 fn words_of_the_key_choose_cells_and_other_words_are_judged() {
     for (text, wanted) in [
         ("beats_untrained != yes", "pbe"),

@@ -308,3 +308,31 @@ fn searches(comparison: &ReportComparison) -> Table {
     };
     Table { head, rows: comparison.searches.iter().map(row).collect(), ..Table::default() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_names_the_drivers_where_there_are_two_and_says_what_it_costs() {
+        let two = Compared::of(&[["v1", "v2"], ["v1", "v2"]]);
+        assert_eq!(two.verdict([true, false], false), "v2 is better than v1");
+        assert_eq!(two.verdict([true, false], true), "v2 is safer, at a price, than v1");
+        assert_eq!(two.verdict([false, true], true), "v2 is worse than v1");
+        let versions = Compared::of(&[["v1", "v1"]]);
+        assert_eq!(versions.verdict([false, true], false), "The driver after is worse than the driver before");
+        assert_eq!(Compared::of(&[["v1", "v2"], ["a", "b"]]).0, versions.0);
+    }
+
+    #[test]
+    fn a_change_that_shows_in_four_of_five_cases_does() {
+        // The share of starts from which six or more of 400 differ with a probability of 0.8.
+        let (_, share) = clopper_pearson(5, 400, 2.0 * (1.0 - POWER));
+        let first = (1.0 - share).powi(400);
+        let terms = std::iter::successors(Some((0.0, first)), |(k, term)| {
+            Some((k + 1.0, term * (400.0 - k) / (k + 1.0) * share / (1.0 - share)))
+        });
+        let below: f64 = terms.take(6).map(|(_, term)| term).sum();
+        assert!((1.0 - below - POWER).abs() < 1e-6, "{below}");
+    }
+}
