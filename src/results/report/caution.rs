@@ -1,6 +1,6 @@
 use std::fmt;
 
-use super::aggregate::SearchCell;
+use super::aggregate::{DriverResult, SearchCell};
 use super::off_road::{OffRoadDriver, off_road};
 use super::price::DriverPrice;
 use crate::jobs::SearchResult;
@@ -65,6 +65,7 @@ pub fn cautions(
     cells: &Cells,
     results: &[SearchResult],
     searches: &[SearchCell],
+    drivers: &[DriverResult],
     prices: &[(String, DriverPrice)],
 ) -> Vec<Caution> {
     // Episodes that are left out fitted into the budget; why they are is said of the driver. So is why a search ended early.
@@ -74,7 +75,9 @@ pub fn cautions(
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
     let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget() });
-    let crawls = prices.iter().filter(|(_, price)| price.progress < CRAWLS);
+    // Of a driver without any episode that counts it is said why.
+    let is_unknown = |name: &str| drivers.iter().any(|result| result.driver.name == name && result.episodes == 0);
+    let crawls = prices.iter().filter(|(name, price)| price.progress < CRAWLS && !is_unknown(name));
     let crawls = crawls.map(|(driver, price)| Caution::Crawls {
         driver: driver.clone(),
         progress: format!("{:.0} %", 100.0 * price.progress),
@@ -110,7 +113,7 @@ mod tests {
             Cell::example(key, &[(&COLLISIONS, collisions), (&UNPREVENTABLE_COLLISIONS, unavoidable)], &[])
         };
         let cells = Cells::example(&[cell("bend", 9, 9), cell("bend", 9, 8), cell("few", 9, 9), cell("fair", 20, 15)]);
-        let said: Vec<String> = cautions(&cells, &[], &[], &[]).iter().map(ToString::to_string).collect();
+        let said: Vec<String> = cautions(&cells, &[], &[], &[], &[]).iter().map(ToString::to_string).collect();
         let [said] = &said[..] else { panic!("{said:?}") };
         assert!(said.starts_with("no careful human avoids 17 of the 18 collisions in bend"), "{said}");
     }

@@ -67,7 +67,7 @@ fn table(results: &[&DriverResult], cells: &Cells) -> Table {
                 .column(Column::number("progress (95 %)").page_only(), move |result| {
                     price(result).map(|price| Value::estimate(Some(price.progress), Some(price.ends()), 2))
                 })
-                .column(Column::number("braked needlessly (95 %)").page_only(), move |result| {
+                .column(Column::number("braked needlessly (95 %)").detail(), move |result| {
                     price(result)?.needless().map(|(share, ends)| Value::estimate(Some(share), Some(ends), 2))
                 })
         })
