@@ -20,9 +20,9 @@ keys! {
         requirements: Option<Vec<DeclarationId>> as Reference("requirement"),
         /// How pedestrians are trained, where any are.
         training: Option<DeclarationId> as Reference("training"),
-        /// Natural encounters of each driver, over all towns, which show its price: progress and needless braking. It has at most as many as episodes; without the
-        /// key there are none.
-        price: u32 as whole(0, 1_000_000) = "0",
+        /// Natural encounters of each driver in each town, which show its price: progress and needless braking; 0 for none. Without the key 200, or a tenth of the
+        /// episodes there of the driver with most of them if that is less.
+        price: Option<u32> as whole(0, 1_000_000),
         /// Published figures to stand beside those of this campaign.
         beside: Option<Vec<DeclarationId>> as Reference("published"),
     }

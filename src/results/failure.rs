@@ -231,7 +231,7 @@ impl Failure {
     /// What it is called in lists: [`Label::word`], or whose fault the violation is.
     pub fn word(&self) -> &'static str {
         match &self.violation {
-            Some(_) if self.fault => return "fault",
+            Some(_) if self.fault => return "breach",
             Some(Violation { preventable: Some(true), .. }) => return "preventable",
             Some(Violation { preventable: Some(false), .. }) => return "not preventable",
             Some(_) => return "no verdict",

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::program::{command, error, falsify, falsify_with, report, said};
 
-/// Writes a campaign of two trainings. Trained and random controllers are evaluated in one town: six tasks.
+/// Writes a campaign of two trainings. Trained and random controllers are evaluated in one town, and the driver has a price: seven tasks.
 fn write_campaign(folder: &Path) {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     let text = format!(
@@ -48,7 +48,7 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     run(here, &["--out", "alone"]);
     run(here, &["--out", "one", "--cache", "cache"]);
     let second = run(here, &["--out", "two", "--cache", "cache"]);
-    assert!(error(&second).contains("6 of 6 tasks were there already"), "{}", error(&second));
+    assert!(error(&second).contains("7 of 7 tasks were there already"), "{}", error(&second));
     let wanted = report(&here.join("alone/shared"));
     for out in ["one", "two"] {
         assert!(report(&here.join(out).join("shared")) == wanted, "{out} has other bytes");
@@ -68,12 +68,13 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     assert!(without.status.code() == Some(2) && error(&without).contains("--cache"), "{without:?}");
     assert_eq!(status(&["--out", "three", "--cache", "cache"]).status.code(), Some(2));
     let list = said(&falsify(&["run", "--list", "shared.scn", "--out", "three", "--cache", "cache"], here));
-    assert!(list.contains("0 of 6 tasks to run, 6 to reuse"), "{list}");
+    assert!(list.contains("0 of 7 tasks to run, 7 to reuse"), "{list}");
 
     // The other folder still needs the tasks that one folder no longer needs.
     let other = ["--out", "two", "--cache", "cache", "--seed", "7", "--replace"];
-    run(here, &other);
-    assert_eq!(tasks(&here.join("cache")), 12);
+    let replaced = said(&run(here, &other));
+    assert!(replaced.replace("\n  ", " ").contains("the report that this one replaces (seed 1) said: "), "{replaced}");
+    assert_eq!(tasks(&here.join("cache")), 14);
     let prune = |more: &[&str]| {
         let output = falsify(&[&["status", "--out", "two", "--cache", "cache", "--prune"], more].concat(), here);
         assert!(output.status.success(), "{output:?}");
@@ -81,15 +82,15 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     };
     let told = prune(&[]);
     assert!(told.contains("removed 0 tasks") && told.contains("campaign shared of `"), "{told}");
-    assert_eq!(tasks(&here.join("cache")), 12);
+    assert_eq!(tasks(&here.join("cache")), 14);
     std::fs::remove_dir_all(here.join("one")).unwrap();
     let told = prune(&[]);
     assert!(told.contains("removed 0 tasks") && told.contains("--prune --gone removes their tasks"), "{told}");
     let told = prune(&["--gone"]);
-    assert!(told.contains("removed 6 tasks"), "{told}");
-    assert_eq!(tasks(&here.join("cache")), 6);
+    assert!(told.contains("removed 7 tasks"), "{told}");
+    assert_eq!(tasks(&here.join("cache")), 7);
     let again = run(here, &other);
-    assert!(error(&again).contains("6 of 6 tasks were there already"), "{}", error(&again));
+    assert!(error(&again).contains("7 of 7 tasks were there already"), "{}", error(&again));
     let told = prune(&["--gone"]);
     assert!(told.contains("removed 0 tasks") && !told.contains("of `"), "{told}");
 }
@@ -101,17 +102,17 @@ fn a_cache_may_be_the_cells_of_another_folder_and_is_left_whole() {
     write_campaign(here);
     run(here, &["--out", "old"]);
     let output = run(here, &["--out", "new", "--cache", "old/.falsify"]);
-    assert!(error(&output).contains("6 of 6 tasks were there already"), "{}", error(&output));
+    assert!(error(&output).contains("7 of 7 tasks were there already"), "{}", error(&output));
     run(here, &["--out", "new", "--cache", "old/.falsify", "--seed", "2", "--replace"]);
     let pruned = said(&falsify(&["status", "--out", "new", "--cache", "old/.falsify", "--prune"], here));
     assert!(pruned.contains("removed 0 tasks"), "{pruned}");
     run(here, &["--out", "old", "--seed", "3", "--replace"]);
     // A cache that is the reports' own folder of tasks holds the same tasks under any spelling of its path.
     let named = run(here, &["--out", "old", "--seed", "3", "--cache", "new/../old/.falsify"]);
-    assert!(error(&named).contains("6 of 6 tasks were there already"), "{}", error(&named));
+    assert!(error(&named).contains("7 of 7 tasks were there already"), "{}", error(&named));
     let pruned = said(&falsify(&["status", "--out", "old", "--prune"], here));
-    assert!(pruned.contains("removed 6 tasks") && pruned.contains("campaign shared of `"), "{pruned}");
-    assert_eq!(tasks(&here.join("old/.falsify")), 12);
+    assert!(pruned.contains("removed 7 tasks") && pruned.contains("campaign shared of `"), "{pruned}");
+    assert_eq!(tasks(&here.join("old/.falsify")), 14);
 }
 
 #[test]
@@ -304,7 +305,7 @@ fn a_result_of_another_task_is_not_used() {
     let again = falsify(&gate, here);
     assert_eq!(again.status.code(), Some(7), "{again:?}");
     assert!(error(&again).contains("holds the result of another task, `evaluate"), "{}", error(&again));
-    assert!(error(&again).contains("1 of 2 results were stored before"), "{}", error(&again));
+    assert!(error(&again).contains("3 of 4 results were stored before"), "{}", error(&again));
     let fresh = falsify(&[&gate[..], &["--fresh"]].concat(), here);
     assert!(!error(&fresh).contains("stored before"), "{}", error(&fresh));
 }
@@ -316,17 +317,17 @@ fn a_setting_or_a_variable_names_the_cache() {
     write_campaign(here);
     std::fs::write(here.join("falsify.toml"), "cache = \"from the file\"\n").unwrap();
     run(here, &[]);
-    assert_eq!(tasks(&here.join("from the file")), 6);
+    assert_eq!(tasks(&here.join("from the file")), 7);
     for place in [&["status"][..], &["status", "reports"], &["status", "reports/shared"]] {
         assert!(said(&falsify(place, here)).contains("shared: finished"), "{place:?}");
     }
     assert!(said(&falsify(&["status", "reports/shared", "--stored"], here)).contains("campaign shared: "));
     let nowhere = falsify(&["status", "shared.scn"], here);
     assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("no campaign was run for `shared.scn`"));
-    assert!(said(&falsify(&["status", "--stored"], here)).contains("campaign shared: 6 of 6 tasks"));
+    assert!(said(&falsify(&["status", "--stored"], here)).contains("campaign shared: 7 of 7 tasks"));
     let variables = [("FALSIFY_CACHE", "of the variable")];
     let list = said(&falsify_with(&["run", "--list", "shared.scn"], here, &variables));
-    assert!(list.contains("6 of 6 tasks to run, 0 to reuse"), "{list}");
+    assert!(list.contains("7 of 7 tasks to run, 0 to reuse"), "{list}");
 }
 
 /// A folder on another file system than this one, if one exists.
@@ -397,5 +398,5 @@ campaign c { vehicle: model3  body: pursuer  spawn: near  episode: e
     let run = falsify(&["run", "twice.scn"], folder.path());
     assert!(run.status.success() && !error(&run).contains("stored before"), "{}", error(&run));
     let again = falsify(&["run", "twice.scn"], folder.path());
-    assert!(error(&again).contains("3 of 3 results were stored before"), "{}", error(&again));
+    assert!(error(&again).contains("5 of 5 results were stored before"), "{}", error(&again));
 }

@@ -147,8 +147,11 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     assert!(worse > 0 && worse == listed as u64, "{worse} {listed}");
     let answer = |other: &str| {
         let shown = text(&falsify(&["compare", "old/two", other], here));
-        let answers =
-            ["Nothing changed: ", "The driver after is worse: more ", "No difference in faults or collisions"];
+        let answers = [
+            "Nothing changed: ",
+            "The driver after is worse than the driver before: more ",
+            "No difference in faults or collisions",
+        ];
         answers.into_iter().filter(|answer| shown.contains(answer)).collect::<Vec<_>>()
     };
     assert_eq!(answer("old/two"), ["Nothing changed: "]);

@@ -19,7 +19,7 @@ training quick = ppo(steps: 120, steps_per_update: 10, epochs: 1, environments: 
 reward shy { on touch => 1 }
 method walk = random()
 campaign cut {
-  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds  training: quick  price: 4
   train { towns: [harbour] drivers: [behavior] rewards: [r1, shy] runs: 2 }
   evaluate { towns: [village] drivers: [blind] pedestrians: [trained, random] episodes: 12 }
   search { towns: [village] drivers: [blind] methods: [walk] budget: 6000 runs: 1 episodes: 2 }
@@ -162,7 +162,7 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
         let left: Vec<_> = std::fs::read_dir(place.out()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left.len(), 2, "the report and the tasks: {left:?}");
         let output = place.run(&[]);
-        assert!(error(&output).contains("13 of 13 tasks were there already"), "{output:?}");
+        assert!(error(&output).contains("14 of 14 tasks were there already"), "{output:?}");
         let work = std::fs::read_dir(place.out().join(".falsify")).unwrap().map(|entry| entry.unwrap().file_name());
         let dead: Vec<_> = work.filter(|name| name.to_string_lossy().starts_with("work-")).collect();
         assert!(dead.is_empty(), "{dead:?}");
@@ -203,7 +203,7 @@ fn damaged_and_foreign_files_are_told_apart_from_cells() {
     assert!(place.run(&[]).status.success());
     let wanted = place.report();
     let tasks = place.tasks();
-    assert_eq!(tasks.len(), 13);
+    assert_eq!(tasks.len(), 14);
     let mut bytes = std::fs::read(&tasks[0]).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
@@ -218,7 +218,7 @@ fn damaged_and_foreign_files_are_told_apart_from_cells() {
     let output = place.run(&[]);
     assert!(output.status.success(), "{output:?}");
     assert_eq!(error(&output).matches("is damaged; its task is done again").count(), 3, "{}", error(&output));
-    assert!(error(&output).contains("9 of 13 tasks were there already"), "{}", error(&output));
+    assert!(error(&output).contains("10 of 14 tasks were there already"), "{}", error(&output));
     same(&place.report(), &wanted, "after damage");
     assert!(foreign.iter().all(|path| std::fs::read_to_string(path).unwrap() == "mine"));
     // A folder that disappears during a run is created again or reported. The next run succeeds in both cases.
@@ -249,21 +249,21 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
     place.write(&SCENARIO.replace("on touch => 1", "on touch => 2"));
     let list = place.list();
     // The trainings of the reward, and its trained and random controllers.
-    assert_eq!((lines(&list, "[reuse]"), lines(&list, "changed]")), (7, 6), "{list}");
+    assert_eq!((lines(&list, "[reuse]"), lines(&list, "changed]")), (8, 6), "{list}");
     assert!(list.lines().filter(|line| line.contains("changed]")).all(|line| line.contains("shy")), "{list}");
     assert!(list.contains("train    shy in harbour against behavior, run 0: 120 decisions [run: scenario changed]"));
     place.write(&format!(
         "// A comment.\n{}",
         SCENARIO.replace("on touch => 1", "on touch   => 1.0").replace("reward shy", "/// Hits.\nreward shy")
     ));
-    assert_eq!(lines(&place.list(), "[reuse]"), 13, "{}", place.list());
+    assert_eq!(lines(&place.list(), "[reuse]"), 14, "{}", place.list());
     place.write(
         &SCENARIO
             .replace("runs: 2", "runs: 3")
             .replace("[village] drivers: [blind] ped", "[village, harbour] drivers: [blind] ped"),
     );
     let list = place.list();
-    assert_eq!((lines(&list, "[reuse]"), lines(&list, "[run: new]")), (13, 18), "{list}");
+    assert_eq!((lines(&list, "[reuse]"), lines(&list, "[run: new]")), (14, 19), "{list}");
     place.write(&SCENARIO.replace("episodes: 12", "episodes: 20"));
     assert_eq!(lines(&place.list(), "[run: unfinished, 12 of 20 episodes]"), 8, "{}", place.list());
     assert!(place.run(&[]).status.success());
@@ -272,9 +272,9 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
     assert!(!error(&fresh).contains("there already"), "{}", error(&fresh));
     same(&place.report(), &longer, "anew on one thread");
     place.write(SCENARIO);
-    assert_eq!(lines(&place.list(), "[reuse]"), 13, "{}", place.list());
+    assert_eq!(lines(&place.list(), "[reuse]"), 14, "{}", place.list());
     let other_seed = String::from_utf8(place.run(&["--list", "--seed", "2"]).stdout).unwrap();
-    assert_eq!(lines(&other_seed, "[run: seed changed]"), 13, "{other_seed}");
+    assert_eq!(lines(&other_seed, "[run: seed changed]"), 14, "{other_seed}");
 }
 
 #[test]

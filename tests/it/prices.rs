@@ -42,7 +42,7 @@ fn run(key: &'static str, gates: &[&str], look: impl FnOnce(&CampaignReport)) {
 
 #[test]
 fn a_driver_that_hardly_moves_has_no_progress_and_is_told() {
-    run("price: 24", &["progress < 0.4", "progress < 0.2", "needless_braking > 0"], |report| {
+    run("price: 12", &["progress < 0.4", "progress < 0.2", "needless_braking > 0"], |report| {
         let price = |name: &str| {
             let found = report.drivers.iter().find(|result| result.driver.name == name).unwrap();
             found.price.unwrap()
@@ -66,14 +66,26 @@ fn a_driver_that_hardly_moves_has_no_progress_and_is_told() {
         assert!(report.folder.join("prices.csv").is_file() && report.folder.join("prices.parquet").is_file());
         let fails = |gate: usize| report.gates[gate].1.iter().filter(|judged| judged.fails()).count();
         assert_eq!([0, 1].map(fails), [2, 0], "the two rows of creeper");
-        assert!(report.answer.iter().any(|sentence| sentence.starts_with("idm ")), "{:?}", report.answer);
+        assert!(
+            report.manifest.answer.iter().any(|sentence| sentence.starts_with("idm ")),
+            "{:?}",
+            report.manifest.answer
+        );
     });
 }
 
 #[test]
-fn a_campaign_without_the_key_has_no_prices() {
-    run("", &[], |report| {
+fn a_campaign_has_prices_unless_it_says_otherwise() {
+    run("price: 0", &[], |report| {
         assert!(report.drivers.iter().all(|result| result.price.is_none()));
         assert!(!report.folder.join("prices.csv").exists());
+    });
+    // A tenth of 12 episodes in each of two towns.
+    run("", &[], |report| {
+        let prices = std::fs::read_to_string(report.folder.join("prices.csv")).unwrap();
+        let starts = prices.lines().skip(1).map(|line| line.split(',').nth(3).unwrap());
+        assert_eq!(starts.collect::<Vec<_>>(), ["1"; 8], "{prices}");
+        assert!(report.drivers.iter().all(|result| result.price.is_some()));
+        assert_eq!(report.since, None);
     });
 }

@@ -108,4 +108,9 @@ fn a_full_run_after_a_quick_check_is_a_full_run() {
     }
     let manifest = std::fs::read_to_string(folder.path().join("alone/all/manifest.toml")).unwrap();
     assert!(!manifest.contains("\"00000000\""), "a training is recorded as a run without a name");
+    let page = std::fs::read_to_string(folder.path().join("alone/all/report.html")).unwrap();
+    for sentence in ["With 95 % confidence no collision", "in an encounter with natural: "] {
+        let said = manifest.lines().any(|line| line.contains(sentence));
+        assert!(said && page.contains(sentence), "{sentence}: {manifest}");
+    }
 }

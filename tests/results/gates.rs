@@ -38,7 +38,7 @@ fn letters(cells: &DataFrame, text: &str) -> String {
 
 fn of_gate(cells: &DataFrame, gate: &Gate) -> String {
     let letter = |judged: &Judged| match judged {
-        Judged::Passed => 'p',
+        Judged::Passed(_) => 'p',
         Judged::Broken(_) => 'b',
         Judged::Missing(_) => 'm',
         Judged::NoValue(_) => 'v',
@@ -81,6 +81,14 @@ fn a_gate_is_broken_where_all_its_conditions_hold() {
     ] {
         assert_eq!(judged(text), wanted, "{text}");
     }
+}
+
+#[test]
+fn a_gate_that_passes_says_what_came_nearest() {
+    let nearest = |text: &str| gate(text).nearest(&gate(text).judge(&cells()));
+    assert_eq!(nearest("preventable_rate > 0.05"), Some((0, "preventable_rate_mean is 0.04".into())));
+    assert_eq!(nearest("preventable_rate > 0.01"), None, "none passes");
+    assert_eq!(nearest("beats_untrained != yes"), None, "no number");
 }
 
 #[test]

@@ -4,13 +4,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::job_block::JobBlock;
-use super::{Evaluation, Job, Origin, Pricing, Search, cover, drive, estimate, evaluation, harden, search, training};
+use super::{
+    Cover, Estimation, Evaluation, Job, Origin, Pricing, Search, cover, drive, estimate, evaluation, harden, search,
+    training,
+};
 use crate::campaign::CampaignKeys;
 use crate::grid::{Grid, Nested, Required, Usual};
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, Driver, Published};
 use crate::{RunId, policy, published};
 use base::signature::DeclarationId;
+use episode::Scenario;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 
@@ -91,32 +95,44 @@ impl Lowering<'_> {
     }
 }
 
-/// The prices of the drivers of a campaign: of each in each town, in the first setting in which an evaluation or a search tries it, from as many starts as it has episodes at
-/// most, and from `most` over all towns. A test has a place for each of its cases, and another simulator has drivers of its own, so these have none.
-fn prices(campaign: &Campaign, most: u32) -> Vec<Pricing> {
-    let mut all: Vec<Pricing> = Vec::new();
+/// Natural encounters of a driver in a town without the key `price`: this number, or this part of the episodes there of the driver with most of them.
+const PRICED: (u64, u64) = (200, 10);
+
+/// The prices of the drivers of a campaign: of each in each town, in the first setting in which a job tries it. A test has a place for each of its cases, and another simulator
+/// has drivers of its own, so these have none.
+fn prices(campaign: &Campaign, starts: Option<u32>) -> Vec<Pricing> {
+    let mut all: Vec<(Pricing, u64)> = Vec::new();
     for job in &campaign.jobs {
-        let (town, policy, scenario, episodes) = match (job.of::<Evaluation>(), job.of::<Search>()) {
-            (Some(Evaluation { town, policy, scenario, episodes, .. }), _) => {
-                (&**town, &**policy, scenario, u64::from(*episodes))
-            }
-            (_, Some(Search { key, scenario, budget, .. })) => {
-                (&*key.town, &*key.policy, scenario, budget / u64::from(scenario.episode.ticks))
-            }
-            _ => continue,
-        };
+        let Some((town, policy, scenario, episodes)) = tried(job) else { continue };
         if scenario.external_world.is_some() || scenario.spawn.scripted().is_some() {
             continue;
         }
-        let starts = u32::try_from(episodes).unwrap_or(u32::MAX);
-        match all.iter_mut().find(|each| [&*each.town, &*each.policy] == [town, policy]) {
-            Some(known) => known.starts = known.starts.max(starts),
-            None => all.push(Pricing::new(job.origin(), [town, policy], scenario, starts)),
+        match all.iter_mut().find(|(each, _)| [&*each.town, &*each.policy] == [town, policy]) {
+            Some((_, known)) => *known += episodes,
+            None => all.push((Pricing::new(job.origin(), [town, policy], scenario), episodes)),
         }
     }
-    let towns = all.iter().map(|each| &each.town).collect::<BTreeSet<_>>().len().max(1);
-    let most = most.div_ceil(towns as u32);
-    all.iter_mut().for_each(|each| each.starts = each.starts.min(most));
-    all.retain(|each| each.starts > 0);
-    all
+    // Prices in a town are of the same starts.
+    let most = |town: &str| {
+        all.iter().filter(|(each, _)| each.town == town).map(|(_, episodes)| *episodes).max().unwrap_or_default()
+    };
+    let starts = |town: &str| starts.unwrap_or((most(town) / PRICED.1).min(PRICED.0) as u32);
+    let priced = all.iter().map(|(price, _)| Pricing { starts: starts(&price.town), ..price.clone() });
+    priced.filter(|price| price.starts > 0).collect()
+}
+
+/// The town, the driver, the setting and the number of episodes of a job that tries a driver; of one with a budget of ticks the least number.
+fn tried(job: &Job) -> Option<(&str, &str, &Arc<Scenario>, u64)> {
+    let fit = |budget: u64, scenario: &Scenario| budget / u64::from(scenario.episode.ticks);
+    if let Some(Evaluation { town, policy, scenario, episodes, .. }) = job.of() {
+        return Some((town, policy, scenario, u64::from(*episodes)));
+    }
+    if let Some(Search { key, scenario, budget, .. }) = job.of() {
+        return Some((&key.town, &key.policy, scenario, fit(*budget, scenario)));
+    }
+    if let Some(Estimation { town, policy, scenario, budget, .. }) = job.of() {
+        return Some((town, policy, scenario, fit(*budget, scenario)));
+    }
+    let Cover { town, policy, scenario, budget, .. } = job.of()?;
+    Some((town, policy, scenario, u64::from(*budget)))
 }

@@ -59,8 +59,8 @@ impl Planned for Pricing {
 }
 
 impl Pricing {
-    /// That of a driver in a town, in the setting of another job.
-    pub(super) fn new(origin: &Origin, [town, policy]: [&str; 2], scenario: &Scenario, starts: u32) -> Self {
+    /// That of a driver in a town, in the setting of another job, without any start.
+    pub(super) fn new(origin: &Origin, [town, policy]: [&str; 2], scenario: &Scenario) -> Self {
         let ticks = scenario.episode.ticks.min((LONGEST / scenario.episode.tick) as u32);
         let scenario = Scenario {
             cast: scenario.cast.alone(0),
@@ -76,6 +76,6 @@ impl Pricing {
         free.cast.vehicles[0].policy = Arc::new(move || Box::new(fastest()));
         let origin = Origin { id: RunId::default(), block: 0, run: 0, needs: None, ..origin.clone() };
         let (scenario, free) = (Arc::new(scenario), Arc::new(free));
-        Self { origin, town: town.into(), policy: policy.into(), scenario, free, starts }
+        Self { origin, town: town.into(), policy: policy.into(), scenario, free, starts: 0 }
     }
 }

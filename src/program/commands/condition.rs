@@ -102,20 +102,26 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) {
     for (title, judged) in titles.iter().zip(judged) {
         if let Some(reason) = judged.reason(&format!(" in {title}")) {
             let tell = if judged.fails() { console::fail } else { console::warn };
-            tell(&format!("--fail-if {}: {reason}", gate.text()));
+            let mark = if judged.fails() { "\u{2717} " } else { "" };
+            tell(&format!("{mark}--fail-if {}: {reason}", gate.text()));
         }
     }
     let fails = judged.iter().any(Judged::fails);
     let rows = judged.iter().filter(|judged| **judged != Judged::Elsewhere).count();
-    let passed = judged.iter().filter(|judged| matches!(judged, Judged::Passed | Judged::Thin(_))).count();
+    let passed = judged.iter().filter(|judged| matches!(judged, Judged::Passed(_) | Judged::Thin(_))).count();
     let others = if rows > passed { format!(", and {} not judged", rows - passed) } else { String::new() };
     match passed {
         _ if fails || rows == 0 => {}
         0 => console::warn(&format!("--fail-if {}: says nothing, no row has a value", gate.text())),
-        _ => console::note(&format!(
-            "--fail-if {}: passes, false in {}{others}",
-            gate.text(),
-            console::count(passed, "row")
-        )),
+        _ => {
+            let nearest = gate.nearest(judged);
+            let nearest = nearest.map(|(row, values)| format!("; nearest: {values} in {}", titles[row]));
+            console::note(&format!(
+                "\u{2713} --fail-if {}: passes, false in {}{others}{}",
+                gate.text(),
+                console::count(passed, "row"),
+                nearest.unwrap_or_default()
+            ));
+        }
     }
 }

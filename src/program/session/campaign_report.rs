@@ -58,8 +58,8 @@ pub struct CampaignReport {
     pub manifest: Manifest,
     /// Means and intervals of each cell of the grid, in the order of the table `results`.
     pub cells: Cells,
-    /// The answer: a sentence about each driver under test.
-    pub answer: Vec<String>,
+    /// What changed since the report that it replaces, in a line; `None` if it replaces none.
+    pub since: Option<String>,
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
     /// Means of the searches, in the order of their rows in `metrics`.

@@ -56,6 +56,7 @@ impl Session {
             search_ticks: finished.all::<SearchResult>().iter().map(|search| search.spent.ticks).sum(),
             errors: gathered.errors,
             wall_time_s: times.run,
+            answer: results::report::answer(found),
             files,
             vector_instructions: vector_instructions().into(),
             trainings: finished

@@ -166,19 +166,21 @@ impl<'a> CampaignRun<'a> {
         let times = Times { jobs: results.seconds(), run: began.elapsed().as_secs_f64() };
         let sections = report::sections(&found);
         let manifest = self.write(&draft, &found, &sections, &times)?;
+        let replaced = StoredReport::open(&self.options.out.join(&self.name)).ok();
+        let since = replaced.map(|earlier| since(earlier.manifest(), &manifest));
         let folder = self.publish(draft, &manifest)?;
         if self.work == Work::All && results.reused() < campaign::tasks(self.campaign).count() {
             self.repeat_elsewhere(&folder);
         }
         let gates = self.judge_gates(&found);
-        let (answer, few_errors) = (report::answer(&found), found.gathered.errors_are_few());
+        let few_errors = found.gathered.errors_are_few();
         let Findings { cells, drivers, searches, doubts, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name: self.name.clone(),
             folder,
             manifest,
             cells,
-            answer,
+            since,
             drivers,
             searches,
             sections,
@@ -391,4 +393,16 @@ impl RunOptions {
 pub(crate) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
     pool.map_err(|source| Error::Usage(format!("cannot start {threads} threads: {source}")))
+}
+
+/// What changed since the report that this one replaces: its sentences about drivers that are no longer the same.
+fn since(earlier: &Manifest, now: &Manifest) -> String {
+    let gone = earlier.answer.iter().filter(|sentence| !now.answer.contains(sentence));
+    let gone: Vec<&str> = gone.map(String::as_str).collect();
+    let of = if earlier.seed == now.seed { String::new() } else { format!(" (seed {})", earlier.seed) };
+    match gone.as_slice() {
+        [] if earlier.answer == now.answer => format!("the report that this one replaces{of} had the same answer"),
+        [] => format!("the report that this one replaces{of} knew fewer drivers"),
+        gone => format!("the report that this one replaces{of} said: {}", gone.join(". ")),
+    }
 }

@@ -59,6 +59,8 @@ pub struct Kind {
     pub references: fn() -> Vec<TableReference>,
     /// Its tables in a report, with their names; `None` without results.
     pub tables: TablesMaker,
+    /// What it found, in a sentence each.
+    pub answer: fn(&Findings<'_>) -> Vec<String>,
     /// Its section in a report, and where that stands.
     pub section: Option<(Group, SectionMaker)>,
     /// The folders of its files in a report.
@@ -81,6 +83,7 @@ impl Kind {
             work: of::<T>,
             references: Vec::new,
             tables: |_| None,
+            answer: |_| Vec::new(),
             section: None,
             folders: &[],
             files: |_, _| Vec::new(),

@@ -1,15 +1,23 @@
 //! The answer of a report: what was found about each driver under test, in a sentence.
 
+use std::collections::BTreeMap;
+
 use super::caution::CRAWLS;
 use super::{DriverResult, Findings};
+use crate::jobs::KINDS;
 use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
+use crate::tables::{APPLIED, FAULT_VIOLATIONS, REQUIREMENT};
 
-/// A sentence about each driver under test, in the order of the report; about the baselines if there is no other.
+/// Above this share of encounters, surely, needless braking is a part of the answer.
+const STANDS: f64 = 0.05;
+
+/// A sentence about each driver under test, in the order of the report, or about the baselines if there is no other; then those of kinds of jobs.
 pub fn answer(found: &Findings<'_>) -> Vec<String> {
     let tested: Vec<&DriverResult> =
         found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians()).collect();
     let shown = if tested.is_empty() { found.drivers.iter().collect() } else { tested };
-    shown.into_iter().filter(|result| result.episodes > 0).map(|result| sentence(found, result)).collect()
+    let drivers = shown.into_iter().filter(|result| result.episodes > 0).map(|result| sentence(found, result));
+    drivers.chain(KINDS.iter().flat_map(|kind| (kind.answer)(found))).collect()
 }
 
 fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
@@ -21,7 +29,11 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
             (faults + u64::from(cell.count(&FAULT_COLLISIONS)), episodes + u64::from(cell.count(&EPISODES)))
         })
     };
-    let tried = [(counts(false), "episodes"), (counts(true), "cases of tests")];
+    let mut tests: Vec<&str> = Vec::new();
+    let cases = found.gathered.protocol.iter().filter(|case| case.policy == *name);
+    cases.for_each(|case| tests.extend(Some(&*case.test).filter(|test| !tests.contains(test))));
+    let cases = format!("cases of {}", tests.join(", "));
+    let tried = [(counts(false), "episodes"), (counts(true), &*cases)];
     let searched = result.searched.filter(|searched| searched.episodes > 0);
     let of_searches = searched.map_or(0, |searched| searched.fault as u64);
     let mut parts = Vec::new();
@@ -41,15 +53,36 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
     let worst = result
         .worst
         .as_ref()
-        .filter(|worst| worst.fault)
+        .filter(|worst| worst.fault && worst.violation.is_none())
         .map(|worst| format!("the worst at {:.1} m/s", worst.impact_speed));
     parts.extend(worst);
+    let breached = breaches(found, result);
+    let is_breaking = !breached.is_empty();
+    parts.extend(breached);
     let progress = result.price.map(|price| price.progress);
     parts.extend(progress.map(|progress| format!("progress {progress:.2}")));
+    let needless = result.price.and_then(|price| price.needless()).filter(|(_, (low, _))| *low > STANDS);
+    parts.extend(needless.map(|(share, _)| format!("brakes needlessly in {:.0} % of encounters", 100.0 * share)));
     let verdict = match progress {
         _ if of_searches + tried.iter().map(|((faults, _), _)| faults).sum::<u64>() > 0 => "fails",
         Some(progress) if progress < CRAWLS => "hardly drives",
+        _ if is_breaking => "breaks requirements and has no fault",
         _ => "has no fault",
     };
     format!("{name} {verdict}: {}", parts.join("; "))
+}
+
+/// The breaches of each requirement that has some, and those that searches for them found.
+fn breaches(found: &Findings<'_>, result: &DriverResult) -> Vec<String> {
+    let own = found.gathered.requirements.iter().filter(|cell| cell.key.policy == result.driver.name);
+    let mut counts: BTreeMap<String, [u64; 2]> = BTreeMap::new();
+    for cell in own {
+        let [breaches, applied] = counts.entry(cell.text(&REQUIREMENT)).or_default();
+        *breaches += u64::from(cell.count(&FAULT_VIOLATIONS));
+        *applied += u64::from(cell.count(&APPLIED));
+    }
+    let evaluated = counts.into_iter().filter(|(_, [breaches, _])| *breaches > 0);
+    let evaluated = evaluated.map(|(name, [breaches, of])| format!("a breach of {name} in {breaches} of {of}"));
+    let searched = result.searched.map(|searched| searched.breaches).filter(|breaches| *breaches > 0);
+    evaluated.chain(searched.map(|breaches| format!("{breaches} breaches in searches"))).collect()
 }

@@ -2,6 +2,7 @@ use std::fmt;
 
 use super::aggregate::{DriverResult, SearchCell};
 use super::off_road::{OffRoadDriver, off_road};
+use super::price::DriverPrice;
 use crate::jobs::SearchResult;
 use crate::record::columns::{TOWN, WORLD};
 use crate::record::in_world;
@@ -65,6 +66,7 @@ pub fn cautions(
     results: &[SearchResult],
     searches: &[SearchCell],
     drivers: &[DriverResult],
+    prices: &[(String, DriverPrice)],
 ) -> Vec<Caution> {
     // Episodes that are left out fitted into the budget; why they are is said of the driver. So is why a search ended early.
     let is_lost = |search: &SearchCell| {
@@ -73,10 +75,12 @@ pub fn cautions(
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
     let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget() });
-    let crawls = drivers.iter().filter_map(|result| {
-        let price = result.price.filter(|_| result.episodes > 0)?;
-        let progress = format!("{:.0} %", 100.0 * price.progress);
-        (price.progress < CRAWLS).then(|| Caution::Crawls { driver: result.driver.name.clone(), progress })
+    // Of a driver without any episode that counts it is said why.
+    let is_unknown = |name: &str| drivers.iter().any(|result| result.driver.name == name && result.episodes == 0);
+    let crawls = prices.iter().filter(|(name, price)| price.progress < CRAWLS && !is_unknown(name));
+    let crawls = crawls.map(|(driver, price)| Caution::Crawls {
+        driver: driver.clone(),
+        progress: format!("{:.0} %", 100.0 * price.progress),
     });
     let off_road = off_road(cells, results).into_iter().map(Caution::OffRoad);
     off_road.chain(crawls).chain(no_chance(cells)).chain(empty).collect()
@@ -109,7 +113,7 @@ mod tests {
             Cell::example(key, &[(&COLLISIONS, collisions), (&UNPREVENTABLE_COLLISIONS, unavoidable)], &[])
         };
         let cells = Cells::example(&[cell("bend", 9, 9), cell("bend", 9, 8), cell("few", 9, 9), cell("fair", 20, 15)]);
-        let said: Vec<String> = cautions(&cells, &[], &[], &[]).iter().map(ToString::to_string).collect();
+        let said: Vec<String> = cautions(&cells, &[], &[], &[], &[]).iter().map(ToString::to_string).collect();
         let [said] = &said[..] else { panic!("{said:?}") };
         assert!(said.starts_with("no careful human avoids 17 of the 18 collisions in bend"), "{said}");
     }

@@ -72,7 +72,7 @@ impl<'a> Findings<'a> {
             cast_failures: Vec::new(),
             published: beside(&campaign.published, &cells, evidence),
             layers,
-            cautions: cautions(&cells, results, &searches, &drivers),
+            cautions: cautions(&cells, results, &searches, &drivers, &prices),
             search_pairs,
             searches,
             drivers,

@@ -37,6 +37,8 @@ pub struct Manifest {
     pub search_ticks: u64,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
+    /// What was found about each driver under test, in a sentence.
+    pub answer: Vec<String>,
     /// The input of the program, for a repetition.
     pub call: Call,
     /// The scenario files and the files that they name, in the order they were read.

@@ -74,6 +74,13 @@ impl DriverPrice {
         (self.spared > 0).then(|| (self.delayed as f64 / self.spared as f64, wilson(self.delayed, self.spared)))
     }
 
+    /// Whether another driver is surely slower than this one, or brakes needlessly more often.
+    pub fn is_below(&self, other: &Self) -> bool {
+        let is_slower = self.progress - other.progress > NORMAL * self.error.hypot(other.error);
+        let needless = self.needless().zip(other.needless());
+        is_slower || needless.is_some_and(|((_, (_, high)), (_, (low, _)))| low > high)
+    }
+
     /// What another driver costs beside this one: `progress 0.93 -> 0.90, 3 % slower`.
     pub fn beside(&self, other: &Self) -> String {
         let (change, error) = (other.progress - self.progress, self.error.hypot(other.error));
@@ -115,5 +122,7 @@ mod tests {
         );
         let near = DriverPrice { progress: 0.86, ..*a };
         assert!(a.beside(&near).contains("no difference is shown"));
+        assert!(a.is_below(b) && !b.is_below(a) && !a.is_below(&near));
+        assert!(a.is_below(&DriverPrice { delayed: 30, ..*a }), "it stands for most");
     }
 }

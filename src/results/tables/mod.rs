@@ -25,12 +25,12 @@ pub use requirements::{
 };
 pub use rows::{Row, Rows};
 pub use runs::Runs;
+pub(crate) use searches::{BREACH_COUNT, search_cells, search_pairs, searched_drivers};
 pub use searches::{
     BUDGET, DIFFERENCE, DIFFERENCES, FAILED_STARTS, FAILURE_COUNT, FALSIFIED, FAULT_COUNT, FAULT_START_RATE,
     FAULT_STARTS, FIGURE, FIRST_FAILURE, FIRST_FAULT, FIRST_SIMULATIONS, FIRST_START, GOAL, INJURY, IS_OF_METHODS,
     METHOD, OTHER, P_HOLM, PAIR, PLACE, PREVENTABLE_COUNT, SEARCH_BLOCK, SEARCH_EPISODES, SEARCH_RUN, SIMULATIONS_MEAN,
     SIMULATIONS_MEDIAN, STARTS, TRIED, USED, median_column, search_cell_columns,
 };
-pub(crate) use searches::{search_cells, search_pairs, searched_drivers};
 pub use statistics::student as student_interval;
 pub(crate) use statistics::{adjusted, interval, statistic};

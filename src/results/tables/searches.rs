@@ -97,12 +97,17 @@ pub(crate) fn search_cells(searches: &DataFrame) -> PolarsResult<DataFrame> {
     searches.clone().lazy().with_row_index(PLACE.name, None).group_by_stable(cell_columns().map(col)).agg(all).collect()
 }
 
+/// The breaches that searches for a requirement found; their faults are others.
+pub(crate) const BREACH_COUNT: &str = "breaches";
+
 /// A row for each driver, over all its searches.
 pub(crate) fn searched_drivers(searches: &DataFrame) -> PolarsResult<DataFrame> {
-    let sums =
-        [FAILURE_COUNT, PREVENTABLE_COUNT, FAULT_COUNT, FAULT_STARTS, SEARCH_EPISODES].map(|count| col(count).sum());
-    let means = [INJURY, FAULT_START_RATE].map(|figure| col(figure).mean());
-    searches.clone().lazy().group_by_stable([col(DRIVER.name)]).agg([&sums[..], &means].concat()).collect()
+    let for_faults = |figure: &str| col(figure).filter(col(GOAL.name).is_null());
+    let breaches = col(FAULT_COUNT).filter(col(GOAL.name).is_not_null()).sum().alias(BREACH_COUNT);
+    let sums = [FAILURE_COUNT, PREVENTABLE_COUNT, SEARCH_EPISODES].map(|count| col(count).sum());
+    let faults = [FAULT_COUNT, FAULT_STARTS].map(|count| for_faults(count).sum());
+    let means = [col(INJURY).mean(), for_faults(FAULT_START_RATE).mean(), breaches];
+    searches.clone().lazy().group_by_stable([col(DRIVER.name)]).agg([&sums[..], &faults, &means].concat()).collect()
 }
 
 /// What the searches of a cell have in common.

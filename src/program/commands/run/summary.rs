@@ -11,9 +11,10 @@ use results::report;
 /// Prints what was found about each driver for people, and all tables if `details` are wanted; narrow enough for a terminal of 80 columns where names
 /// are short.
 pub fn show(report: &CampaignReport, details: bool) {
-    let CampaignReport { folder, manifest, answer, drivers, sections, .. } = report;
+    let CampaignReport { folder, manifest, since, drivers, sections, .. } = report;
     console::say(&format!("campaign {}", manifest.campaign));
-    answer.iter().for_each(|sentence| console::say(console::broken(sentence, console::width()).trim_end()));
+    let answer = manifest.answer.iter().chain(since);
+    answer.for_each(|sentence| console::say(console::broken(sentence, console::width()).trim_end()));
     // The first section is the most important one, and the last lines are those that a reader sees.
     let texts = sections.iter().rev().map(|section| section.to_terminal(console::width(), details));
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();

@@ -23,6 +23,7 @@ const MAX_ERRORS: u32 = 10;
 
 pub(super) const KIND: Kind = Kind {
     doing: ["covering", "covered"],
+    answer: section::answer,
     unit: "episodes",
     seconds: 3e-3,
     references: || vec![table::columns().reference(), table::point_columns().reference()],

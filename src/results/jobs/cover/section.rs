@@ -6,10 +6,6 @@ use crate::report::table::{Column, Place, Section, Selection, Table, Value};
 /// What covers show: a row for each driver and town; `None` without a cover.
 pub fn covers(found: &Findings<'_>) -> Option<Section> {
     let rows: Vec<Row<'_>> = found.finished.found_if_any()?;
-    let statements = rows.iter().map(|row| {
-        let (policy, town, spawn) = (&row.0.policy, &row.0.town, &row.0.spawn);
-        format!("*{policy} in {town}, box `{spawn}`:* {}.", statement(row))
-    });
     let reading = [
         "The *box* are the ranges of the spawn rule; equal parts of it are equally likely. Places on the road, what the pedestrian draws and what drivers draw \
          are chance: a part of the bound, not of the box. A point of the box for which the road has no place counts as passed.",
@@ -25,9 +21,16 @@ pub fn covers(found: &Findings<'_>) -> Option<Section> {
         title: "What was not missed",
         figures: pictures(&rows).into_iter().collect(),
         tables: vec![table(&rows)],
-        notes: statements.chain(reading.map(String::from)).collect(),
+        notes: reading.map(String::from).into(),
         ..Section::default()
     })
+}
+
+/// What each cover shows.
+pub fn answer(found: &Findings<'_>) -> Vec<String> {
+    let rows: Option<Vec<Row<'_>>> = found.finished.found_if_any();
+    let said = |row: &Row<'_>| format!("{} in {}, box {}: {}", row.0.policy, row.0.town, row.0.spawn, statement(row));
+    rows.iter().flatten().map(said).collect()
 }
 
 /// What is shown, as a sentence without its end.

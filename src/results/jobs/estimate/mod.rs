@@ -12,6 +12,7 @@ use search::likelihood::{Encounters, Estimate, Likelihood, Limits};
 
 pub(super) const KIND: Kind = Kind {
     doing: ["estimating", "estimated"],
+    answer: section::answer,
     references: || vec![table::columns().reference()],
     tables: |found| {
         let rows: Vec<Row<'_>> = found

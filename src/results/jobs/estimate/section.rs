@@ -30,6 +30,26 @@ pub fn estimates(found: &Findings<'_>) -> Option<Section> {
     })
 }
 
+/// What each estimate says of faults.
+pub fn answer(found: &Findings<'_>) -> Vec<String> {
+    let said = |(job, estimate): (&Estimation, &Estimate)| {
+        let Estimation { policy, pedestrian, town, requirement, .. } = job;
+        let what = if requirement.is_empty() { "a fault".into() } else { format!("a breach of {requirement}") };
+        let found = match estimate.of(Blame::Fault) {
+            none if none.seen == 0 => {
+                format!(
+                    "none in {} encounters; with 95 % confidence below 1 in {}",
+                    estimate.encounters,
+                    rounded(1.0 / none.high)
+                )
+            }
+            some => format!("{}, an interval of 95 %", one_in(some)),
+        };
+        format!("{policy} in {town}, {what} in an encounter with {pedestrian}: {found}")
+    };
+    found.finished.found().map(said).collect()
+}
+
 fn table(results: &[(&Estimation, &Estimate)]) -> Table {
     let exposed = [(0, "faults per hour"), (1, "faults per 1,000 km")];
     let exposed = exposed.into_iter().filter(|(unit, _)| results.iter().any(|(job, _)| job.exposure[*unit].is_some()));

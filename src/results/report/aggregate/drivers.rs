@@ -9,8 +9,8 @@ use crate::record::columns::DRIVER;
 use crate::report::price::DriverPrice;
 use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 use crate::tables::{
-    Cell, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE, FAULT_STARTS, INJURY, PREVENTABLE_COUNT, Row, Rows,
-    SEARCH_EPISODES, searched_drivers,
+    BREACH_COUNT, Cell, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE, FAULT_STARTS, INJURY, PREVENTABLE_COUNT, Row,
+    Rows, SEARCH_EPISODES, searched_drivers,
 };
 use compile::Driver;
 
@@ -20,8 +20,10 @@ pub struct SearchFailures {
     pub all: usize,
     /// Those that a careful human would have avoided.
     pub preventable: usize,
-    /// Those that count against the driver.
+    /// The collisions that count against the driver.
     pub fault: usize,
+    /// The violations of a requirement that count against it.
+    pub breaches: usize,
     /// The starts from which a search found a fault.
     pub fault_starts: usize,
     /// The avoidable injury of a thousand episodes, as the mean over the searches: one that spends its budget on many short episodes has no greater
@@ -39,6 +41,7 @@ impl From<&Row<String>> for SearchFailures {
             all: count(FAILURE_COUNT),
             preventable: count(PREVENTABLE_COUNT),
             fault: count(FAULT_COUNT),
+            breaches: count(BREACH_COUNT),
             fault_starts: count(FAULT_STARTS),
             injury_per_thousand: driver.number(INJURY),
             fault_start_rate: driver.number(FAULT_START_RATE),
@@ -53,7 +56,7 @@ pub struct DriverResult {
     pub driver: Driver,
     /// Its worst failure, in the tests of a protocol the worst at the test speed if there is one; `None` without a collision.
     pub worst: Option<Failure>,
-    /// The place of the cell with the highest rates in the list of cells; `None` if it was not evaluated.
+    /// The place of the worst cell in the list of cells: that with the highest fault rate; `None` if it was not evaluated.
     pub cell: Option<usize>,
     /// The failures that searches found; `None` without a search.
     pub searched: Option<SearchFailures>,
@@ -77,7 +80,7 @@ impl DriverResult {
 }
 
 /// The results of the drivers: the user's own, then those that are built in, then those that see no pedestrians, since they are a baseline. Of each the
-/// worst first, by the avoidable injury and the rates in the worst cell, then by what searches found.
+/// worst first, by the rates in the worst cell, then by the share of the starts from which searches found a fault.
 pub fn driver_results(
     drivers: &[Driver],
     cells: &[Cell],
@@ -113,8 +116,7 @@ pub fn driver_results(
             (Some(first), Some(second)) => first.worse_first(second),
             (first, second) => second.is_some().cmp(&first.is_some()),
         };
-        let searched =
-            |result: &DriverResult| result.searched.and_then(|found| found.injury_per_thousand).unwrap_or(0.0);
+        let searched = |result: &DriverResult| result.searched.and_then(|found| found.fault_start_rate).unwrap_or(0.0);
         rank(&a.driver)
             .cmp(&rank(&b.driver))
             .then(rates)
@@ -145,16 +147,16 @@ pub fn worst_failure(results: &[DriverResult]) -> Option<&Failure> {
     found.min_by(|a, b| a.0.cmp(&b.0).then_with(|| a.1.worse_first(b.1))).map(|(_, worst)| worst)
 }
 
-/// The place of the cell of a driver with the highest rates, the first of equal ones.
+/// The place of the worst cell of a driver, the first of equal ones.
 fn worst_cell(cells: &[Cell], driver: &str) -> Option<usize> {
     let of_driver = cells.iter().enumerate().filter(|(_, cell)| cell.key.policy == driver);
     of_driver.min_by(|a, b| worse_cell_first(a.1, b.1)).map(|(place, _)| place)
 }
 
-/// The cell with more avoidable injury first; then by the fault rate, the preventable rate, the rate of collisions.
+/// The cell with the higher fault rate first; of equal ones by the preventable rate, the rate of collisions, the avoidable injury.
 fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
     let rates = |cell: &Cell| {
-        [&AVOIDABLE_INJURY, &FAULT_RATE, &PREVENTABLE_RATE, &COLLISION_RATE]
+        [&FAULT_RATE, &PREVENTABLE_RATE, &COLLISION_RATE, &AVOIDABLE_INJURY]
             .map(|metric| cell.value(metric).unwrap_or(-1.0))
     };
     let pairs = rates(b).into_iter().zip(rates(a));

@@ -31,8 +31,8 @@ pub struct ReportComparison {
     pub cells: Vec<ComparedCell>,
     /// The common starts from which at least one side has a collision. Cell by cell, in the order of the first report.
     pub changes: Vec<FailureChange>,
-    /// The drivers that are compared, and what the second costs beside the first.
-    pub prices: Vec<String>,
+    /// What the driver after costs beside the driver before, and whether that is surely more, for each pair of drivers.
+    pub prices: Vec<(String, bool)>,
     /// One for each falsifier, town and driver, in the order of the first report.
     pub searches: Vec<ComparedSearch>,
 }
@@ -136,7 +136,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
 }
 
 /// What each driver costs beside the one that it is compared with, as far as both reports have it.
-fn prices(sides: [Side<'_>; 2], cells: &[ComparedCell]) -> Result<Vec<String>, ReadError> {
+fn prices(sides: [Side<'_>; 2], cells: &[ComparedCell]) -> Result<Vec<(String, bool)>, ReadError> {
     let [before, after] = [DriverPrice::stored(sides[0].report)?, DriverPrice::stored(sides[1].report)?];
     let mut pairs: Vec<[&String; 2]> = cells.iter().map(|cell| cell.keys.each_ref().map(|key| &key.policy)).collect();
     pairs.dedup();
@@ -144,8 +144,9 @@ fn prices(sides: [Side<'_>; 2], cells: &[ComparedCell]) -> Result<Vec<String>, R
         prices.iter().find(|(known, _)| known == name).map(|(_, price)| *price)
     };
     let price = |pair: [&String; 2]| {
-        let change = of(&before, pair[0])?.beside(&of(&after, pair[1])?);
-        Some(format!("Price of {}: {change}", drivers(&pair.map(Clone::clone))))
+        let [before, after] = [of(&before, pair[0])?, of(&after, pair[1])?];
+        let text = format!("Price of {}: {}", drivers(&pair.map(Clone::clone)), before.beside(&after));
+        Some((text, before.is_below(&after)))
     };
     Ok(grouped(pairs, |pair| pair.map(Clone::clone)).into_iter().filter_map(|pairs| price(pairs[0])).collect())
 }

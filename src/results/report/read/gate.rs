@@ -31,8 +31,8 @@ pub struct Gate {
 /// The result of a gate for a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Judged {
-    /// The condition is false.
-    Passed,
+    /// The condition is false; the columns that it used, with their values.
+    Passed(Vec<(String, String)>),
     /// The condition is true; the columns that it used, with their values.
     Broken(Vec<(String, String)>),
     /// A column has no value there, so the condition cannot be evaluated, and the gate fails.
@@ -73,7 +73,7 @@ impl Judged {
     pub fn fails(&self) -> bool {
         !matches!(
             self,
-            Self::Passed | Self::Thin(_) | Self::NoValue(_) | Self::NotMet { all: false, .. } | Self::Elsewhere
+            Self::Passed(_) | Self::Thin(_) | Self::NoValue(_) | Self::NotMet { all: false, .. } | Self::Elsewhere
         )
     }
 
@@ -81,10 +81,7 @@ impl Judged {
     pub fn reason(&self, place: &str) -> Option<String> {
         let starts = |count: u64| if count == 1 { "1 start".to_string() } else { format!("{count} starts") };
         Some(match self {
-            Self::Broken(values) => {
-                let each = values.iter().map(|(column, value)| format!("{column} is {value}"));
-                format!("{}{place}", each.collect::<Vec<_>>().join(", "))
-            }
+            Self::Broken(values) => format!("{}{place}", in_words(values)),
             Self::TooFewRuns(few) => format!("{few}{place}"),
             Self::Missing(column) => {
                 format!("there is no {column}{place}, so nothing is judged there; --allow-unjudged lets it pass")
@@ -121,9 +118,15 @@ impl Judged {
             Self::Thin(episodes) => format!(
                 "{episodes} episodes{place} cannot show so low a rate: a single failure would have made it true; run more episodes"
             ),
-            Self::Passed | Self::Elsewhere => return None,
+            Self::Passed(_) | Self::Elsewhere => return None,
         })
     }
+}
+
+/// Columns with their values.
+fn in_words(values: &[(String, String)]) -> String {
+    let each = values.iter().map(|(column, value)| format!("{column} is {value}"));
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// An end of an interval, or a standard deviation, that too few runs have. `Display` gives the reason and what to write instead.
@@ -204,6 +207,25 @@ impl Gate {
 
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The row that passes with the value nearest to the first number of the condition, and its values in words; `None` if none passes or the condition has no
+    /// number.
+    pub fn nearest(&self, judged: &[Judged]) -> Option<(usize, String)> {
+        let (column, bound) = self.conditions.iter().find_map(|condition| match condition.bound {
+            Bound::Number(bound) => Some((&*condition.column.name, bound)),
+            Bound::Word(_) => None,
+        })?;
+        let distance = |values: &[(String, String)]| {
+            let value = values.iter().find(|(name, _)| name == column)?.1.parse::<f64>().ok()?;
+            Some((value - bound).abs())
+        };
+        let passed = judged.iter().enumerate().filter_map(|(row, judged)| match judged {
+            Judged::Passed(values) => Some((distance(values)?, row, values)),
+            _ => None,
+        });
+        let (_, row, values) = passed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((row, in_words(values)))
     }
 
     pub fn is_about_searches(&self) -> bool {
@@ -434,7 +456,7 @@ impl Gate {
             Some(judged) if holds => judged,
             _ if let Some(judged) = self.not_met(cells, row) => judged,
             _ if let Some(share) = self.off_road(cells, row) => Judged::OffRoad(share),
-            _ => self.thin(cells, row).map_or(Judged::Passed, Judged::Thin),
+            _ => self.thin(cells, row).map_or(Judged::Passed(looked_at), Judged::Thin),
         }
     }
 

@@ -6,8 +6,10 @@ use crate::report::compare::drivers;
 use crate::report::{ComparedCell, ComparedSearch, CountedEvent, FailureChange, PairedRate, ReportComparison};
 use crate::tables::Changed;
 use crate::tables::metrics::{ANSWER, COLLISION_RATE, FAULT_RATE};
-use base::statistics::mcnemar;
+use base::statistics::{clopper_pearson, mcnemar};
 
+/// The probability with which a change is to show.
+const POWER: f64 = 0.8;
 /// Maximum number of kinds in a table.
 const MAX_KINDS: usize = 20;
 /// What the figures of rates are.
@@ -73,7 +75,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
         notes: comparison.caveats.iter().map(ToString::to_string).collect(),
         lead: [answer(comparison), headline(comparison)]
             .into_iter()
-            .chain(comparison.prices.iter().map(|price| format!("{price}.")))
+            .chain(comparison.prices.iter().map(|(price, _)| format!("{price}.")))
             .chain(power(comparison))
             .collect(),
         sections,
@@ -127,17 +129,48 @@ fn answer(comparison: &ReportComparison) -> String {
         let all = weighed.iter().filter_map(|(rates, what)| shown(rates, is_more, &format!("{word} {what}")));
         all.collect::<Vec<String>>()
     });
-    let verdict = match [fewer.is_empty(), more.is_empty()] {
-        [true, true] => return "No difference in faults or collisions is shown.".into(),
-        [false, true] => "The driver after is better",
-        [true, false] => "The driver after is worse",
-        [false, false] => "The driver after is better in part and worse in part",
-    };
-    format!("{verdict}: {}.", [fewer, more].concat().join(", "))
+    let names: Vec<[&str; 2]> =
+        comparison.cells.iter().map(|cell| cell.keys.each_ref().map(|key| &*key.policy)).collect();
+    let who = Compared::of(&names);
+    match [fewer.is_empty(), more.is_empty()].map(|is_none| !is_none) {
+        [false, false] => "No difference in faults or collisions is shown.".into(),
+        shown => {
+            let costs = comparison.prices.iter().any(|(_, costs)| *costs);
+            format!("{}: {}.", who.verdict(shown, costs), [fewer, more].concat().join(", "))
+        }
+    }
+}
+
+/// The driver after and the driver before, as a sentence calls them.
+pub struct Compared(String, String);
+
+impl Compared {
+    /// By their names, where all rows are of the same two drivers.
+    pub fn of(names: &[[&str; 2]]) -> Self {
+        match names {
+            [first @ [before, after], others @ ..] if before != after && others.iter().all(|pair| pair == first) => {
+                Self((*after).into(), (*before).into())
+            }
+            _ => Self("the driver after".into(), "the driver before".into()),
+        }
+    }
+
+    /// Who is better, where it is shown that the driver after is so, or is worse, or both, and whether it costs more.
+    pub fn verdict(&self, [better, worse]: [bool; 2], costs: bool) -> String {
+        let word = match [better, worse] {
+            [true, false] if costs => "is safer, at a price, than",
+            [true, false] => "is better than",
+            [false, true] => "is worse than",
+            [true, true] => "is better in part and worse in part than",
+            [false, false] => "is not shown to differ from",
+        };
+        let text = format!("{} {word} {}", self.0, self.1);
+        text.replacen("the driver after", "The driver after", usize::from(text.starts_with("the driver")))
+    }
 }
 
 /// A probability in a sentence.
-fn at_most(value: f64) -> String {
+pub fn at_most(value: f64) -> String {
     if value < 0.001 { "< 0.001".into() } else { format!("= {value:.3}") }
 }
 
@@ -163,8 +196,7 @@ fn headline(comparison: &ReportComparison) -> String {
     told.collect::<Vec<_>>().join("; ")
 }
 
-/// How many starts must differ for a difference of single runs to show; `None` without one. Holm's correction counts the rows of one rate that differ in it,
-/// also those of several runs.
+/// Which change of single runs shows; `None` without one. Holm's correction counts the rows of one rate that differ in it, also those of several runs.
 fn power(comparison: &ReportComparison) -> Option<String> {
     let cells = || comparison.cells.iter().filter(|cell| cell.starts > 0 && !cell.is_pooled());
     let differing = |event: usize| {
@@ -177,9 +209,24 @@ fn power(comparison: &ReportComparison) -> Option<String> {
     let single = || cells().filter(|cell| cell.runs == 1);
     let least = single().map(|cell| cell.starts).min().filter(|_| single().any(|cell| cell.differing > 0))?;
     let needed = (1..).find(|starts| tests as f64 * mcnemar(0, *starts) < 0.05)?;
-    let few = if least < needed { format!("; with {least} common starts none can show") } else { String::new() };
+    if least < needed {
+        return Some(format!("With {least} common starts no difference can show; it takes {needed} or more."));
+    }
+    // The share of starts that differ in at least as many with this probability.
+    let (_, share) = clopper_pearson(needed - 1, least, 2.0 * (1.0 - POWER));
+    let shown = (share * least as f64).ceil() as u64;
+    let place =
+        comparison.events.iter().position(|event| event.requirement.is_none() && *event.figure == COLLISION_RATE);
+    let cell = single().find(|cell| cell.starts == least)?;
+    let changed = place.and_then(|place| Some(cell.rates.get(place)?.as_ref()?.changed));
+    let before = changed.map_or(0, |changed| changed.fixed + changed.same);
+    let of = match before {
+        0 => String::new(),
+        _ => format!(", {:.0} % of the {before} before,", 100.0 * shown as f64 / before as f64),
+    };
     Some(format!(
-        "A difference shows (p below 0.05) from {needed} starts on that fail on one side only, with none on the other{few}."
+        "{least} common starts show, in {:.0} % of cases, a change that fixes or adds collisions from {shown} of them{of} and does not do the other.",
+        100.0 * POWER
     ))
 }
 
@@ -260,4 +307,32 @@ fn searches(comparison: &ReportComparison) -> Table {
         ]
     };
     Table { head, rows: comparison.searches.iter().map(row).collect(), ..Table::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_names_the_drivers_where_there_are_two_and_says_what_it_costs() {
+        let two = Compared::of(&[["v1", "v2"], ["v1", "v2"]]);
+        assert_eq!(two.verdict([true, false], false), "v2 is better than v1");
+        assert_eq!(two.verdict([true, false], true), "v2 is safer, at a price, than v1");
+        assert_eq!(two.verdict([false, true], true), "v2 is worse than v1");
+        let versions = Compared::of(&[["v1", "v1"]]);
+        assert_eq!(versions.verdict([false, true], false), "The driver after is worse than the driver before");
+        assert_eq!(Compared::of(&[["v1", "v2"], ["a", "b"]]).0, versions.0);
+    }
+
+    #[test]
+    fn a_change_that_shows_in_four_of_five_cases_does() {
+        // The share of starts from which six or more of 400 differ with a probability of 0.8.
+        let (_, share) = clopper_pearson(5, 400, 2.0 * (1.0 - POWER));
+        let first = (1.0 - share).powi(400);
+        let terms = std::iter::successors(Some((0.0, first)), |(k, term)| {
+            Some((k + 1.0, term * (400.0 - k) / (k + 1.0) * share / (1.0 - share)))
+        });
+        let below: f64 = terms.take(6).map(|(_, term)| term).sum();
+        assert!((1.0 - below - POWER).abs() < 1e-6, "{below}");
+    }
 }

@@ -6,7 +6,7 @@ use maud::html;
 use polars::prelude::PolarsResult;
 
 use super::page::{document, paragraph};
-use super::sections::{Scale, failed_starts, injury, searcher};
+use super::sections::{failed_starts, injury, searcher};
 use super::table::{Column, Mark, Selection, Table, Value};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::report::{DriverResult, Overview, Rate, SearchCell, Variant};
@@ -203,13 +203,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     let drivers = reports_first(overview, |row: &(&Variant<'_>, &DriverResult)| row.0)
         .text("driver", |(_, result)| result.driver.name.clone())
         .text("worst failure", |(_, result)| result.worst_in_words())
-        .number("avoidable injury / 1,000", |(variant, result)| Value::number(injury(result, variant.cells), 2))
-        .column(Column::text("of the scale").page_only(), |(variant, result)| {
-            // The baseline of each report is its own.
-            let scale = Scale::new(variant.drivers, variant.cells, variant.searches);
-            let share = scale.injury_of(result).zip(scale.head());
-            share.map_or_else(|| "–".into(), |(share, of)| format!("{share:.2} {of}"))
-        });
+        .number("avoidable injury / 1,000", |(variant, result)| Value::number(injury(result, variant.cells), 2));
     let all = [evaluated.table(&cells), searched.table(&searches)].into_iter().filter(|table| !table.rows.is_empty());
     all.chain([drivers.table(&results)]).collect()
 }

@@ -1,7 +1,7 @@
 //! What a recheck found.
 
 use super::change_report::{ChangeReport, ChangeSection};
-use super::comparison_sections::p;
+use super::comparison_sections::{Compared, at_most, p};
 use polars::prelude::DataFrame;
 
 use super::table::{Column, Table, Value};
@@ -41,9 +41,46 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
             if files.is_empty() { "the files as they are now".into() } else { files.join(" ") },
         ],
         notes: recheck.notes.iter().map(ToString::to_string).collect(),
-        lead: Vec::new(),
+        lead: answer(recheck, &list).into_iter().chain([counted(recheck, &list)]).collect(),
         sections: std::iter::once(met).chain(crossed).collect(),
     }
+}
+
+/// Whether the new driver is better, by its starts with a fault on the fixed list; `None` without a list.
+fn answer(recheck: &Recheck, list: &DataFrame) -> Option<String> {
+    let names: Vec<[&str; 2]> =
+        recheck.crossings.iter().map(|row| row.policies.each_ref().map(|name| &**name)).collect();
+    let shown = |better: bool| {
+        let side = |row: usize| number(list, row, "fault_starts_new") < number(list, row, "fault_starts_fixed");
+        let rows = (0..list.height()).filter(|row| side(*row) == better);
+        rows.filter_map(|row| number(list, row, "p_holm")).filter(|p| *p < 0.05).reduce(f64::min)
+    };
+    let found = [true, false].map(shown);
+    let least = found.iter().flatten().copied().reduce(f64::min);
+    (list.height() > 0).then(|| match least {
+        Some(least) => {
+            let verdict = Compared::of(&names).verdict(found.map(|p| p.is_some()), false);
+            format!("{verdict}: starts of the fixed list with a fault (p {}).", at_most(least))
+        }
+        None => "No difference in faults is shown on the fixed list.".into(),
+    })
+}
+
+/// The counts over all rows: of failures that were met again, and of faults of the fixed list.
+fn counted(recheck: &Recheck, list: &DataFrame) -> String {
+    let met = rechecked_table(&recheck.failures);
+    let sum =
+        |table: &DataFrame, column: &str| (0..table.height()).filter_map(|row| number(table, row, column)).sum::<f64>();
+    let [failures, faults, still, turned, gone] =
+        ["failures", "old_faults", "still_faults", "turned_faults", "gone"].map(|column| sum(&met, column));
+    let [new, fixed, same] = ["faults_new", "faults_fixed", "faults_same"].map(|column| sum(list, column));
+    let listed = match list.height() {
+        0 => String::new(),
+        _ => format!(" Faults of the fixed list: new {new}, fixed {fixed}, same {same}."),
+    };
+    format!(
+        "Failures met again: {failures}, gone {gone}; faults {faults}, still {still}, and {turned} more that were none.{listed}"
+    )
 }
 
 fn failures(rows: &[RecheckedFailures]) -> Table {

@@ -7,7 +7,7 @@ use super::markup::{count, percent, prose};
 use super::player_card::{PlayerCard, badge};
 use super::worst::card;
 use crate::failure::Failure;
-use crate::report::render::sections::{FAULT, Scale, injury, place, who};
+use crate::report::render::sections::{FAULT, injury, place, who};
 use crate::report::render::svg::px;
 use crate::report::render::table::Section;
 use crate::report::{DriverResult, Findings, worst_failure};
@@ -30,7 +30,11 @@ pub fn first(all: &Findings<'_>, numbers: &Section, players: &Players) -> Markup
                     (PlayerCard { title: format!("The worst: {}", card.title), ..card }.to_html(replay, players.options()))
                 }
             }
-            details { summary { "All numbers of the drivers" } (numbers.to_html(&|name| players.link(name))) }
+            @for figure in &numbers.figures { (figure.to_html()) }
+            // What a fault is stands above.
+            @let notes = numbers.notes.iter().filter(|note| **note != FAULT).cloned().collect();
+            @let tables = Section { figures: Vec::new(), notes, ..numbers.clone() };
+            details { summary { "All numbers of the drivers" } (tables.to_html(&|name| players.link(name))) }
         }
     }
 }
@@ -39,24 +43,15 @@ pub fn first(all: &Findings<'_>, numbers: &Section, players: &Players) -> Markup
 fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
     let Findings { drivers, cells, .. } = all;
     let cell = |result: &DriverResult| result.cell.map(|cell| &cells[cell]);
-    let most = |of: &dyn Fn(&DriverResult) -> Option<f64>| drivers.iter().filter_map(of).fold(0.0, f64::max);
     let often = |result: &DriverResult| match cell(result) {
         Some(cell) => cell.value(&FAULT_RATE),
         None => result.searched.and_then(|found| found.fault_start_rate),
-    };
-    let bad = |result: &DriverResult| injury(result, cells);
-    let scale = Scale::new(drivers, cells, &all.searches);
-    let faults_of = |result: &DriverResult| scale.of_driver(result, &FAULT_RATE, |searched| searched.fault_start_rate);
-    // The worst driver of a place is no share of itself.
-    let share = |share: Option<f64>| {
-        let share = share.filter(|share| *share > 0.0 && (scale.blind().is_some() || *share < 1.0))?;
-        Some(share_of(share, scale.blind()))
     };
     html! {
         p.note {
             (prose(FAULT)) " "
             @if cells.is_empty() { "Rates are means over each driver’s searches." }
-            @else { "Rates are of each driver’s worst pedestrian and town, and so are shares." }
+            @else { "Rates are of the pedestrian and town with each driver’s highest fault rate." }
         }
         @for result in drivers.iter() {
             @let blind = result.driver.sees_no_pedestrians();
@@ -72,19 +67,16 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
                         div {
                             dt { "how often" }
                             dd {
-                                @if drivers.len() > 1 { (bar(rate, most(&often), blind)) }
+                                (bar(rate, blind))
                                 (faults(result, cell(result), rate))
-                                @if !blind { @if let Some(share) = share(faults_of(result)) { (share) } }
                             }
                         }
                     }
-                    @if let Some(injury) = bad(result).filter(|injury| *injury > 0.0) {
+                    @if let Some(injury) = injury(result, cells).filter(|injury| *injury > 0.0) {
                         div {
                             dt { "how bad" }
                             dd {
-                                @if drivers.len() > 1 { (bar(injury, most(&bad), blind)) }
                                 (format!("{injury:.2}")) " avoidable severe injuries in 1,000 episodes"
-                                @if !blind { @if let Some(share) = share(scale.injury_of(result)) { (share) } }
                             }
                         }
                     }
@@ -149,19 +141,9 @@ fn faults(result: &DriverResult, cell: Option<&Cell>, rate: f64) -> Markup {
     }
 }
 
-/// A share of the scale, in words.
-fn share_of(share: f64, blind: Option<&str>) -> Markup {
-    html! {
-        b {
-            (format!("{share:.2}")) " of "
-            @match blind { Some(name) => { (name) "’s there" }, None => "the worst driver’s there" }
-        }
-    }
-}
-
-/// A bar whose full width is the greatest value of all drivers.
-fn bar(value: f64, most: f64, pale: bool) -> Markup {
-    let width = if most > 0.0 { 100.0 * value / most } else { 0.0 };
+/// A bar whose full width is 100 %.
+fn bar(share: f64, pale: bool) -> Markup {
+    let width = 100.0 * share;
     html! {
         svg.meter viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true" {
             rect.h0 width="100" height="6" {}

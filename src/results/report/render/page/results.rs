@@ -2,7 +2,6 @@ use maud::{Markup, html};
 
 use super::identity::{Named, named, places};
 use super::markup::{count, percent};
-use crate::report::render::sections::Scale;
 use crate::report::render::svg::{Digits, px};
 use crate::report::render::table::Value;
 use crate::report::{Findings, PublishedComparison, Rate};
@@ -21,7 +20,6 @@ const ENDS: [f64; 9] = [0.004, 0.01, 0.02, 0.04, 0.1, 0.2, 0.4, 0.6, 1.0];
 /// The cells as a figure in the form of a table: for each cell the rates with their intervals, and every run.
 pub fn results(found: &Findings<'_>) -> Markup {
     let cells = &named(&found.cells);
-    let scale = Scale::new(&found.drivers, &found.cells, &found.searches);
     let axes: Vec<Axis> = compared().map(|metric| Axis::new(found, cells, metric)).collect();
     html! {
         div.wide {
@@ -42,7 +40,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                 @for (place, members) in places(cells) {
                     tbody {
                         tr { th colspan=(axes.len() + 4) scope="rowgroup" { (place) } }
-                        @for named in members { (row(found, named, &axes, &scale)) }
+                        @for named in members { (row(found, named, &axes)) }
                     }
                 }
             }
@@ -55,25 +53,16 @@ pub fn results(found: &Findings<'_>) -> Markup {
                  The bar is Wilson's 95 % interval over the starts, which the runs share. It shows what more starts of these trainings would show, \
                  not what more trainings would show. “±” is the standard deviation over runs. "
                 em { "Preventable" }
-                ": all careful drivers would have avoided it. "
-                em { "Fault" }
-                ": preventable, with a foreseeable pedestrian, not walked into, at walking pace or more, and not narrowly. Pedestrians of a place meet the same starts. \
+                ": all careful drivers would have avoided it. Pedestrians of a place meet the same starts. \
                  Untrained pedestrians do the same for every reward, so they are here once."
-                @if scale.name().is_some() {
-                    " The thin line above a bar is the scale: from the best driver with this pedestrian in this town to "
-                    @match scale.blind() {
-                        Some(name) => { code { (name) } ", which sees no pedestrian." },
-                        None => "the worst.",
-                    }
-                    " Each column has an axis of its own."
-                }
+                " Each column has an axis of its own."
                 @if !found.published.is_empty() { " A hollow diamond is a published figure." }
             }
         }
     }
 }
 
-fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis], scale: &Scale<'_>) -> Markup {
+fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis]) -> Markup {
     let cell = named.cell;
     let published = |column: &str| {
         let same = |beside: &&PublishedComparison<'_>| beside.published.column == column && beside.key == cell.key;
@@ -92,13 +81,8 @@ fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis], scale: &Scale<'_>
                 td data-label=(metric.word()) {
                     div.rate {
                         @let colour = if number >= 1 { "v0".to_string() } else { format!("f{}", named.colour) };
-                        (axes[number].picture(&colour, rate, scale.ends(cell, metric), published(metric.name)))
-                        span {
-                            (Value::spread(cell, metric).to_string())
-                            @if let (Some(share), Some(blind)) = (scale.share(cell, metric), scale.blind()) {
-                                @if blind != cell.key.policy && share >= 0.005 { small { (format!("{share:.2}")) " of " (blind) "’s" } }
-                            }
-                        }
+                        (axes[number].picture(&colour, rate, published(metric.name)))
+                        span { (Value::spread(cell, metric).to_string()) }
                     }
                 }
             }
@@ -145,14 +129,8 @@ impl Axis {
         }
     }
 
-    /// A rate with its interval and the rates of its runs, above it the scale: from the best driver to the one that sees no pedestrians, or to the worst.
-    fn picture(
-        self,
-        colour: &str,
-        rate: &Rate,
-        ends: Option<(f64, f64)>,
-        published: Option<&PublishedComparison<'_>>,
-    ) -> Markup {
+    /// A rate with its interval and the rates of its runs.
+    fn picture(self, colour: &str, rate: &Rate, published: Option<&PublishedComparison<'_>>) -> Markup {
         let runs = &rate.by_run;
         let within = rate.interval.map_or("without an interval".into(), |(low, high)| {
             format!("interval {} to {}", percent(low), percent(high))
@@ -165,9 +143,6 @@ impl Axis {
                 @if let (Some(mean), Some(says)) = (rate.value, &says) {
                     title { (says) }
                     @for rate in [0.0, self.0 / 2.0, self.0] { path.grid d={ "M" (px(at(rate))) " 0V" (SIZE.1) } {} }
-                    @if let Some((best, top)) = ends {
-                        path.axis d={ "M" (px(at(best))) " 2.5H" (px(at(top))) "M" (px(at(top))) " 0v5" } {}
-                    }
                     @if let Some((low, high)) = rate.interval {
                         rect class=(colour) opacity=".32" x=(px(at(low))) y=(px(middle - 4.5)) width=(px(at(high) - at(low))) height="9" rx="2" {}
                     }

@@ -1,14 +1,15 @@
+use super::FAULT;
+use super::front::front;
 use super::names::{place, who};
-use super::scale::injury;
-use super::{FAULT, Scale};
 use crate::report::render::table::{Column, Place, Section, Selection, Table, Value};
 use crate::report::{DriverResult, Findings, SearchFailures};
-use crate::tables::Cells;
-use crate::tables::metrics::{COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
+use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
+use crate::tables::{Cell, Cells};
 
 /// How to read the table.
-const READING: &str = "Own drivers lead, baselines come last; then the order is that of *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
-    episodes; without evaluations the mean over searches. Rates are those of the worst pedestrian and town, *where that is*, chosen afterwards, so slightly too high: compare drivers by their common starts. Intervals are Wilson's 95 % over starts.";
+const READING: &str = "Own drivers lead, baselines come last. All figures of a row but the failure, the price and the searches are of one place, *where that is*: the pedestrian and town with the driver's highest fault rate, \
+    which orders the rows, too; without evaluations the share of starts from which searches found a fault does. The highest is chosen afterwards, so it is slightly too high, and another driver may have met another pedestrian: \
+    compare drivers by their common starts. *Avoidable injury* are the severe injuries in faults that a careful human would have spared, for 1,000 episodes. Intervals are Wilson's 95 % over starts.";
 
 /// What was found about each driver: those under test, and below them those that see no pedestrians. `None` without a driver.
 pub fn drivers(found: &Findings<'_>) -> Option<Section> {
@@ -16,23 +17,32 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
     let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
         results.iter().partition(|result| result.driver.sees_no_pedestrians());
     let parts = [("", tested), ("Baseline: drivers that ignore pedestrians", blind)];
-    let scale = Scale::new(results, cells, &found.searches);
     let tables: Vec<Table> = parts
         .into_iter()
         .filter(|(_, of)| !of.is_empty())
-        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, &scale) })
+        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells) })
         .collect();
     (!tables.is_empty()).then(|| Section {
         id: "drivers",
         name: "Drivers",
         title: "What was found about each driver",
         tables,
-        notes: vec![format!("{READING} {FAULT}")],
+        figures: Vec::from_iter(front(found, &FAULT_RATE)),
+        notes: vec![READING.into(), FAULT.into()],
         ..Section::default()
     })
 }
 
-fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
+/// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches. `None` of the cases of a test, which are
+/// no sample of episodes.
+pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
+    match result.cell.map(|cell| &cells[cell]) {
+        Some(cell) => cell.value(&AVOIDABLE_INJURY).filter(|_| !cell.is_fixed_cases()).map(|injury| injury * 1000.0),
+        None => result.searched.and_then(|found| found.injury_per_thousand),
+    }
+}
+
+fn table(results: &[&DriverResult], cells: &Cells) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
     let injured = results.iter().any(|result| injury(result, cells).is_some());
@@ -50,13 +60,14 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
         .column(Column::text("episode").page_only(), |result| {
             result.worst.as_ref().map(|worst| Value::failure(worst.name()))
         })
+        // The answer has the progress in a terminal.
         .when(priced, |shown| {
             let price = |result: &DriverResult| result.price;
             shown
-                .number("progress", move |result| {
+                .column(Column::number("progress (95 %)").page_only(), move |result| {
                     price(result).map(|price| Value::estimate(Some(price.progress), Some(price.ends()), 2))
                 })
-                .column(Column::number("braked needlessly (95 %)").page_only(), move |result| {
+                .column(Column::number("braked needlessly (95 %)").detail(), move |result| {
                     price(result)?.needless().map(|(share, ends)| Value::estimate(Some(share), Some(ends), 2))
                 })
         })
@@ -65,15 +76,10 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
         })
         .when(injured, |shown| {
             let injuries = Column::number("avoidable injury / 1,000");
-            shown.column(beside(injuries), |result| Value::number(injury(result, cells), 2)).each(
-                scale.head(),
-                |name| beside(Column::number(name)),
-                |_, result| Value::number(scale.injury_of(result), 2),
-            )
+            shown.column(beside(injuries), |result| Value::number(injury(result, cells), 2))
         })
         .when(evaluated, |shown| {
             let place = |cell| format!("{} in {}", who(cell, cells), place(cell, cells));
-            // The setting is that of the most avoidable injury, and others may have more collisions: the page says so beside it.
             shown
                 .number("fault (95 %)", share(&FAULT_RATE))
                 .column(setting, move |result| cell(result).map(place))
@@ -87,8 +93,9 @@ fn table(results: &[&DriverResult], cells: &Cells, scale: &Scale<'_>) -> Table {
 }
 
 fn found_by_searches(found: SearchFailures) -> String {
-    let SearchFailures { episodes, all, preventable, fault, fault_starts, .. } = found;
-    let some = format!("{all} failures: {preventable} preventable");
+    let SearchFailures { episodes, all, preventable, fault, fault_starts, breaches, .. } = found;
+    let breaches = if breaches > 0 { format!(", {breaches} breaches") } else { String::new() };
+    let some = format!("{all} failures: {preventable} preventable{breaches}");
     match (episodes, fault, fault_starts) {
         (0, ..) => "nothing: not one episode".into(),
         (_, 1, _) => format!("{some}, 1 fault"),

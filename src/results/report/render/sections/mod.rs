@@ -1,8 +1,8 @@
 //! The sections of a report, in their order. Each is a function of what was found; the summary, the page and a terminal show them.
 
 mod names;
-mod scale;
 mod drivers;
+mod front;
 mod worlds;
 mod protocol;
 mod results;
@@ -20,9 +20,9 @@ mod starts;
 mod failures;
 
 pub use cast::share_of_two;
+pub use drivers::injury;
 pub use failures::failures_for_terminal;
 pub use names::{place, who};
-pub use scale::{Scale, injury};
 pub use searches::{failed_starts, who as searcher};
 
 pub(crate) use searches::searches as search_section;

@@ -38,7 +38,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         .column(Column::text("pedestrian").key(), |cell| who(cell, cells))
         .each(
             columns,
-            |(name, of_faults)| Column::number(if *of_faults { "fault" } else { name.as_str() }),
+            |(name, of_faults)| Column::number(if *of_faults { "breach" } else { name.as_str() }),
             |(name, of_faults), cell| {
                 if *of_faults {
                     return rate(cell, name, &FAULT_VIOLATION_RATE);
@@ -56,7 +56,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let refused =
         names.iter().filter_map(|(name, why)| Some(format!("`{name}` has no verdict: {}.", (*why)?.reason())));
     let notes = [
-        "A requirement *never applied* where nothing that stands before its `implies` ever held, as at a crosswalk in a town without one. Violations are of the episodes in which it applied, with Wilson's 95 % interval, and beside them those that are *faults*: all careful drivers, who take over at the start of the \
+        "A requirement *never applied* where nothing that stands before its `implies` ever held, as at a crosswalk in a town without one. Violations are of the episodes in which it applied, with Wilson's 95 % interval, and beside them *breaches*, those that count against the driver: all careful drivers, who take over at the start of the \
          danger, satisfy the requirement, and the pedestrian moved as people do."
             .into(),
     ];

@@ -1,4 +1,3 @@
-use super::Scale;
 use super::names::{place, who};
 use crate::report::Findings;
 use crate::report::grouped::grouped;
@@ -17,14 +16,13 @@ const READING: &str = "Rates are means over the runs: trainings of a trained ped
 /// How often collisions and faults happen, with which pedestrians; `None` without an evaluation.
 pub fn results(found: &Findings<'_>) -> Option<Section> {
     let cells = &found.cells;
-    let scale = Scale::new(&found.drivers, cells, &found.searches);
     (!cells.is_empty()).then(|| Section {
         id: "results",
         name: "Results",
         title: "How often collisions and faults happen",
         lead: errors(cells),
         depth: Depth::Summary,
-        tables: vec![table(cells, &scale)],
+        tables: vec![table(cells)],
         lines: pedestrians(found),
         picture: Some(results_picture(found)),
         notes: vec![READING.into()],
@@ -38,7 +36,7 @@ fn left_out(cell: &Cell) -> Value {
 }
 
 /// The rates of the cells, narrow enough for a terminal of 80 columns: a heading for each town and driver, and below it a row for each pedestrian.
-fn table(cells: &Cells, scale: &Scale<'_>) -> Table {
+fn table(cells: &Cells) -> Table {
     let has_errors = cells.iter().any(|cell| cell.count(&ERRORS) > 0);
     let has_left_out = cells.iter().any(|cell| cell.count(&LEFT_OUT_EPISODES) > 0);
     let shown = Selection::new()
@@ -49,12 +47,7 @@ fn table(cells: &Cells, scale: &Scale<'_>) -> Table {
         .when(has_left_out, |shown| shown.number("left out", left_out))
         .when(has_errors, |shown| shown.metric(Column::number("errors"), &ERRORS))
         .metric(Column::text("collision (95 %)"), &COLLISION_RATE)
-        .metric(Column::text("fault (95 %)"), &FAULT_RATE)
-        .each(
-            scale.name(),
-            |name| Column::number(format!("of {name}'s")),
-            |_, cell| Value::number(scale.share(cell, &FAULT_RATE), 2),
-        );
+        .metric(Column::text("fault (95 %)"), &FAULT_RATE);
     Table { place: Place::Everywhere, ..shown.grouped(by_place(cells)) }
 }
 
