@@ -49,12 +49,11 @@ def demo() -> None:
 
 
 def scenario() -> None:
-    """README's campaign and README's scenario, a little of each."""
+    """README's scenario, a little of it."""
     own_folder("scenario")
-    Path("readme.scn").write_text(blocks("README.md", "scn")[0])
-    for file, campaign in ((TEXTS / "first_look.scn", "first_look"), (Path("readme.scn"), "mine")):
-        assert f"campaign {campaign}" in falsify("run", "--smoke", str(file))
-        assert falsify("failures", "--format", "json", f"reports/{campaign}-smoke") or campaign == "first_look"
+    Path("my.scn").write_text(blocks("README.md", "scn")[0])
+    assert "campaign mine" in falsify("run", "--smoke", "my.scn")
+    assert falsify("failures", "--names", "reports/mine-smoke")
 
 
 def page() -> None:
@@ -93,13 +92,18 @@ def gate() -> None:
     own_folder("gate")
     falsify("new", "my.scn", "--template", "own-driver")
     text = Path("my.scn").read_text()
-    Path("my.scn").write_text(text.replace("budget: 60_000", "budget: 6_000").replace("runs: 2", "runs: 1"))
+    # A tenth of the work, by the search that takes a new start for each episode: a gate on a share of starts wants ten of them.
+    changes = {"budget: 60_000": "budget: 12_000", "runs: 2": "runs: 1", "methods: [meet, faults]": "methods: [meet]"}
+    for before, after in changes.items():
+        assert before in text, before
+        text = text.replace(before, after)
+    Path("my.scn").write_text(text)
     install, run = scripts[0]
-    for limit, code in ((">= 0", 7), ("> 1", 0)):
+    for limit, code in ((">= 0", 7), ("> 0.99", 0)):
         line = run.replace("> 0.1", limit)
         assert line != run, run
-        done = subprocess.run(["/bin/sh", "-ec", f"{install}\n{line}"], env={**os.environ, "FALSIFY": str(wheel)})
-        assert done.returncode == code, (line, done.returncode)
+        done = subprocess.run(["/bin/sh", "-ec", f"{install} -q\n{line}"], env={**os.environ, "FALSIFY": str(wheel)}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        assert done.returncode == code, (line, done.returncode, done.stdout[-3000:])
         for file in ("falsify.xml", "reports/own_driver/report.html"):
             assert Path(file).stat().st_size > 500, file
             Path(file).unlink()
