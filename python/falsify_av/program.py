@@ -1,7 +1,7 @@
 """The program ``falsify`` from Python: it runs campaigns, repeats episodes and writes reports; here are its calls and its tables.
 
 The wheel of environments has no table library and no command line. These functions start the program, which the wheel ``falsify-av-program`` installs
-(``pip install ./python/program`` in a clone); ``FALSIFY_BIN`` may name another one.
+(the extra ``falsify-av[program]``); ``FALSIFY_BIN`` may name another one. ``python -m falsify_av`` is the program, too.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def find() -> str:
     beside = Path(sysconfig.get_path("scripts")) / ("falsify.exe" if os.name == "nt" else "falsify")
     found = named or (str(beside) if beside.is_file() else None) or shutil.which("falsify")
     if found is None:
-        raise FileNotFoundError("the program `falsify` is not installed: `pip install ./python/program` in a clone installs it, or name it in FALSIFY_BIN")
+        raise FileNotFoundError("the program `falsify` is not installed: install the wheel falsify-av-program, or name it in FALSIFY_BIN")
     return found
 
 

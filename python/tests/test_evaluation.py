@@ -68,7 +68,7 @@ def test_a_missing_program_is_an_error_that_names_the_remedy(monkeypatch, tmp_pa
     monkeypatch.delenv("FALSIFY_BIN", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path))
-    with pytest.raises(FileNotFoundError, match="pip install ./python/program"):
+    with pytest.raises(FileNotFoundError, match="install the wheel falsify-av-program"):
         falsify.call("--version")
 
 

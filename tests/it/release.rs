@@ -13,6 +13,7 @@ fn repository(path: &str) -> std::path::PathBuf {
 }
 
 #[cfg(target_os = "linux")]
+#[needs(python)]
 #[test]
 fn an_archive_holds_a_program_that_runs() {
     let out = tempfile::tempdir().unwrap();
@@ -35,6 +36,8 @@ fn an_archive_holds_a_program_that_runs() {
     for file in [
         "LICENSE-MIT",
         "LICENSE-APACHE",
+        "LICENSE-DEPENDENCIES.txt",
+        "LICENSE-RUST-LIBRARY.html",
         "README.md",
         "completions/_falsify",
         "completions/falsify.bash",
