@@ -10,6 +10,8 @@ use world::sim::ActorId;
 
 /// A pedestrian whom the car passes with this gap (m) has nothing to do with it.
 const SPARE: f64 = 2.0;
+/// A car that has gone no farther (m) is still there.
+const REST: f64 = 0.1;
 /// A car is delayed that needs this much longer for its way (s).
 const LATER: f64 = 1.0;
 
@@ -87,7 +89,8 @@ impl Price {
     fn add(&mut self, scenario: &Scenario, met: &Drive, alone: &Drive, free: &Drive) {
         let drives = [met, alone, free].map(|drive| &drive.outcome);
         self.errors += drives.iter().filter(|outcome| outcome.fault().is_some()).count() as u64;
-        if drives.iter().any(|outcome| outcome.fault().is_some()) {
+        // A car that leaves the road, or drives past its end, has no way that counts.
+        if drives.iter().any(|outcome| outcome.fault().is_some()) || !alone.outcome.counts() || !free.outcome.counts() {
             return;
         }
         // Over the time that both drive.
@@ -108,8 +111,9 @@ impl Price {
         if drives[0].counts() && gap.fold(f64::INFINITY, f64::min) >= SPARE {
             self.spared += 1;
             let end = *met.way.last().expect("there is a start");
-            let before = alone.way.partition_point(|way| *way < end);
-            self.delayed += u64::from((met.way.len() - 1) as f64 * dt >= before as f64 * dt + LATER);
+            // A car that comes to rest there without anybody, too, is not delayed.
+            let left = alone.way.partition_point(|way| *way <= end + REST);
+            self.delayed += u64::from((met.way.len() - 1) as f64 * dt >= left as f64 * dt + LATER);
         }
     }
 

@@ -108,7 +108,10 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) {
     }
     let fails = judged.iter().any(Judged::fails);
     let rows = judged.iter().filter(|judged| **judged != Judged::Elsewhere).count();
-    let passed = judged.iter().filter(|judged| matches!(judged, Judged::Passed(_) | Judged::Thin(_))).count();
+    let passed = judged
+        .iter()
+        .filter(|judged| matches!(judged, Judged::Passed(_) | Judged::Thin(_) | Judged::ThinPrice(_)))
+        .count();
     let others = if rows > passed { format!(", and {} not judged", rows - passed) } else { String::new() };
     match passed {
         _ if fails || rows == 0 => {}

@@ -9,7 +9,7 @@ use super::aggregate::{ProtocolCell, passed_share, score};
 use super::infer::{BEATS_UNTRAINED, CellEvidence, IMPACT_SPEED_P90, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::campaign::Finished;
-use crate::jobs::{NEEDLESS, PROGRESS, price_columns};
+use crate::jobs::{NEEDLESS, PROGRESS, SPARED, price_columns};
 use crate::record::columns::{DRIVER, TOWN};
 use crate::record::{CellKey, Column, ColumnReference, Entry, Role, Table, cell_key, interval};
 use crate::tables::metrics::{IMPACT_SPEED, inferred};
@@ -72,7 +72,7 @@ pub fn gate_table(found: &Findings<'_>, requirements: &[&str]) -> PolarsResult<D
 
 /// The figures of a driver's price in a town.
 fn price_figures() -> impl Iterator<Item = ColumnReference> {
-    let figures = [PROGRESS.name, NEEDLESS];
+    let figures = [PROGRESS.name, NEEDLESS, SPARED.name];
     price_columns().reference().columns.into_iter().filter(move |column| figures.contains(&&*column.figure))
 }
 

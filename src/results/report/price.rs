@@ -1,6 +1,6 @@
 //! What drivers give for safety, over all towns: their progress, and needless braking.
 
-use polars::prelude::{DataFrame, DataType, IntoLazy, PolarsResult, col, len, lit};
+use polars::prelude::{DataFrame, DataType, IntoLazy, NULL, PolarsResult, col, len, lit, when};
 
 use super::{ReadError, StoredReport};
 use crate::jobs::{NEEDLESS, PRICES, PROGRESS, SPARED};
@@ -19,9 +19,9 @@ const NORMAL: f64 = 1.96;
 /// The price of a driver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriverPrice {
-    /// The mean over the towns, and its standard error.
+    /// The mean over the towns, and its standard error; `None` if a town has a single start.
     pub progress: f64,
-    error: f64,
+    error: Option<f64>,
     /// Encounters whom the car passes with room to spare without braking, and those of them in which it is delayed.
     pub spared: u64,
     pub delayed: u64,
@@ -33,18 +33,21 @@ impl DriverPrice {
     /// # Errors
     /// It is no table of prices.
     pub fn all(prices: &DataFrame) -> PolarsResult<Vec<(String, Self)>> {
-        let [low, high] = ["low", "high"].map(|end| col(format!("{}_{end}", PROGRESS.name)));
-        let errors = ((high - low) / lit(2.0 * NORMAL)).pow(2.0).sum().sqrt();
+        // The lower end is cut at 0.
+        let error = (col(format!("{}_high", PROGRESS.name)) - col(PROGRESS.name)) / lit(NORMAL);
+        let is_known = error.clone().null_count().eq(lit(0));
+        let errors = when(is_known).then(error.pow(2.0).sum().sqrt()).otherwise(lit(NULL));
         let figures = [
             col(PROGRESS.name).mean(),
             (errors / len().cast(DataType::Float64)).alias(ERROR),
             col(SPARED.name).sum(),
             (col(NEEDLESS) * col(SPARED.name)).sum().alias(DELAYED),
         ];
-        let drivers = prices.clone().lazy().group_by_stable([col(DRIVER.name)]).agg(figures).collect()?;
+        let known = prices.clone().lazy().filter(col(PROGRESS.name).is_not_null());
+        let drivers = known.group_by_stable([col(DRIVER.name)]).agg(figures).collect()?;
         let rows = Rows::new(drivers, |table, row| Ok(DRIVER.value(table, row)?.unwrap_or_default()))?;
         let price = |row: &Row<String>| {
-            let [progress, error] = [row.number(PROGRESS.name)?, row.number(ERROR).unwrap_or_default()];
+            let (progress, error) = (row.number(PROGRESS.name)?, row.number(ERROR));
             let [spared, delayed] =
                 [SPARED.name, DELAYED].map(|count| row.number(count).unwrap_or_default().round() as u64);
             Some((row.key.clone(), Self { progress, error, spared, delayed }))
@@ -64,9 +67,14 @@ impl DriverPrice {
         Ok(all)
     }
 
-    /// The 95 % interval of the progress.
-    pub fn ends(&self) -> (f64, f64) {
-        ((self.progress - NORMAL * self.error).max(0.0), self.progress + NORMAL * self.error)
+    /// The 95 % interval of the progress; `None` of a single start.
+    pub fn ends(&self) -> Option<(f64, f64)> {
+        self.error.map(|error| ((self.progress - NORMAL * error).max(0.0), self.progress + NORMAL * error))
+    }
+
+    /// Half of the 95 % interval of a difference; infinite if one is not known.
+    fn uncertain(&self, other: &Self) -> f64 {
+        self.error.zip(other.error).map_or(f64::INFINITY, |(one, other)| NORMAL * one.hypot(other))
     }
 
     /// The share of encounters with needless braking, and Wilson's 95 % interval; `None` without any.
@@ -76,16 +84,16 @@ impl DriverPrice {
 
     /// Whether another driver is surely slower than this one, or brakes needlessly more often.
     pub fn is_below(&self, other: &Self) -> bool {
-        let is_slower = self.progress - other.progress > NORMAL * self.error.hypot(other.error);
+        let is_slower = self.progress - other.progress > self.uncertain(other);
         let needless = self.needless().zip(other.needless());
         is_slower || needless.is_some_and(|((_, (_, high)), (_, (low, _)))| low > high)
     }
 
     /// What another driver costs beside this one: `progress 0.93 -> 0.90, 3 % slower`.
     pub fn beside(&self, other: &Self) -> String {
-        let (change, error) = (other.progress - self.progress, self.error.hypot(other.error));
+        let change = other.progress - self.progress;
         let word = match 100.0 * change / self.progress {
-            _ if change.abs() <= NORMAL * error => "no difference is shown".into(),
+            _ if change.abs() <= self.uncertain(other) => "no difference is shown".into(),
             less if less < 0.0 => format!("{:.0} % slower", -less),
             more => format!("{more:.0} % faster"),
         };
@@ -114,7 +122,7 @@ mod tests {
         let all = DriverPrice::all(&prices.unwrap()).unwrap();
         let [(first, a), (second, b)] = &all[..] else { panic!("{all:?}") };
         assert_eq!((first.as_str(), second.as_str()), ("a", "b"));
-        assert!((a.progress - 0.85).abs() < 1e-12 && (a.error - 0.02 / 1.96 / 2_f64.sqrt()).abs() < 1e-12);
+        assert!((a.progress - 0.85).abs() < 1e-12 && (a.error.unwrap() - 0.02 / 1.96 / 2_f64.sqrt()).abs() < 1e-12);
         assert_eq!((a.delayed, a.spared, b.delayed, b.spared), (7, 40, 10, 20));
         assert_eq!(
             a.beside(b),

@@ -3,6 +3,7 @@ use std::collections::BTreeSet;
 use polars::prelude::{AnyValue, DataFrame};
 
 use super::condition::{Bound, Comparison, Condition, Extreme, GateError, is_end};
+use crate::jobs::{NEEDLESS, SPARED};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::aggregate::{search_cell_reference, search_key};
@@ -48,6 +49,8 @@ pub enum Judged {
     OffRoad(f64),
     /// The condition is false, but a single failure in this number of episodes would have made it true. That is worth a warning.
     Thin(u64),
+    /// The same of a price, whose encounters are another number.
+    ThinPrice(u64),
     /// The condition is about an interval over fewer runs than any interval needs. It could never be true, so the gate fails.
     TooFewRuns(TooFewRuns),
     /// The condition is about a share of starts, and a search tried this number of them: too few for any share, and the gate fails.
@@ -73,7 +76,12 @@ impl Judged {
     pub fn fails(&self) -> bool {
         !matches!(
             self,
-            Self::Passed(_) | Self::Thin(_) | Self::NoValue(_) | Self::NotMet { all: false, .. } | Self::Elsewhere
+            Self::Passed(_)
+                | Self::Thin(_)
+                | Self::ThinPrice(_)
+                | Self::NoValue(_)
+                | Self::NotMet { all: false, .. }
+                | Self::Elsewhere
         )
     }
 
@@ -117,6 +125,9 @@ impl Judged {
             ),
             Self::Thin(episodes) => format!(
                 "{episodes} episodes{place} cannot show so low a rate: a single failure would have made it true; run more episodes"
+            ),
+            Self::ThinPrice(encounters) => format!(
+                "{encounters} encounters{place} cannot show so low a rate: a single delay would have made it true; give the campaign a larger `price`"
             ),
             Self::Passed(_) | Self::Elsewhere => return None,
         })
@@ -456,7 +467,7 @@ impl Gate {
             Some(judged) if holds => judged,
             _ if let Some(judged) = self.not_met(cells, row) => judged,
             _ if let Some(share) = self.off_road(cells, row) => Judged::OffRoad(share),
-            _ => self.thin(cells, row).map_or(Judged::Passed(looked_at), Judged::Thin),
+            _ => self.thin(cells, row).unwrap_or(Judged::Passed(looked_at)),
         }
     }
 
@@ -508,7 +519,7 @@ impl Gate {
 
     /// The number of a row's episodes, or of those in which a requirement applied, if they are so few that a single failure would have made a condition on
     /// a rate true.
-    fn thin(&self, cells: &DataFrame, row: usize) -> Option<u64> {
+    fn thin(&self, cells: &DataFrame, row: usize) -> Option<Judged> {
         let is_thin = |condition: &Condition, episodes: f64| match condition.bound {
             Bound::Number(bound) if bound > 0.0 && is_share(condition) && !condition.is_of_collisions => {
                 matches!(condition.comparison, Comparison::More | Comparison::AtLeast) && episodes * bound < 1.0
@@ -516,9 +527,11 @@ impl Gate {
             _ => false,
         };
         let thin = |condition: &Condition| {
-            let all = || number(&value(cells, EPISODES.name, row));
-            let episodes = applied(cells, condition, row).or_else(all)?;
-            is_thin(condition, episodes).then_some(episodes as u64)
+            let is_price = condition.column.name == NEEDLESS;
+            let all = || number(&value(cells, if is_price { SPARED.name } else { EPISODES.name }, row));
+            let of = applied(cells, condition, row).or_else(all)?;
+            let judged = if is_price { Judged::ThinPrice } else { Judged::Thin };
+            is_thin(condition, of).then(|| judged(of as u64))
         };
         self.conditions.iter().find_map(thin)
     }

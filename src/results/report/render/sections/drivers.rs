@@ -65,7 +65,7 @@ fn table(results: &[&DriverResult], cells: &Cells) -> Table {
             let price = |result: &DriverResult| result.price;
             shown
                 .column(Column::number("progress (95 %)").page_only(), move |result| {
-                    price(result).map(|price| Value::estimate(Some(price.progress), Some(price.ends()), 2))
+                    price(result).map(|price| Value::estimate(Some(price.progress), price.ends(), 2))
                 })
                 .column(Column::number("braked needlessly (95 %)").detail(), move |result| {
                     price(result)?.needless().map(|(share, ends)| Value::estimate(Some(share), Some(ends), 2))

@@ -26,7 +26,9 @@ pub fn front(found: &Findings<'_>, faults: &Metric) -> Option<Figure> {
     }
     let high = |rate: &Rate| rate.interval.map_or(0.0, |(_, high)| high);
     let most = drivers.iter().fold(0.01, |most: f64, (.., value, rate)| most.max(*value).max(high(rate)));
-    let fastest = drivers.iter().fold(1.0, |most: f64, (_, price, ..)| most.max(price.ends().1));
+    let fastest = drivers
+        .iter()
+        .fold(1.0, |most: f64, (_, price, ..)| most.max(price.ends().map_or(price.progress, |(_, high)| high)));
     let best = Curve {
         colour: COLOURS,
         thin: true,
@@ -66,7 +68,8 @@ pub fn front(found: &Findings<'_>, faults: &Metric) -> Option<Figure> {
 
 /// A driver, with its intervals, on axes that end here.
 fn cross(place: usize, (_, price, value, rate): &(String, DriverPrice, f64, Rate), ends: (f64, f64)) -> [Curve; 3] {
-    let ((slow, fast), x, y) = (price.ends(), price.progress, *value);
+    let (x, y) = (price.progress, *value);
+    let (slow, fast) = price.ends().unwrap_or((x, x));
     let (low, high) = rate.interval.unwrap_or((y, y));
     let (wide, tall) = (MARK * ends.0, MARK * ends.1);
     let mark = vec![(x - wide, y), (x, y + tall), (x + wide, y), (x, y - tall), (x - wide, y)];
