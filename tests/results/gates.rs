@@ -46,7 +46,7 @@ fn of_gate(cells: &DataFrame, gate: &Gate) -> String {
         Judged::MissingEverywhere(_) => 'M',
         Judged::NothingEvaluated => 'n',
         Judged::OffRoad(_) => 'r',
-        Judged::Thin(_) => 't',
+        Judged::Thin(_) | Judged::ThinPrice(_) => 't',
         Judged::TooFewStarts(_) => 's',
         Judged::TooFewSearched(_) => 'S',
         Judged::TooFewRechecked(_) => 'R',
