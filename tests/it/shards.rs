@@ -9,13 +9,13 @@ use results::campaign::{self, Shard, Task, tasks};
 
 use crate::program::{error, falsify, report, said};
 
-/// A campaign that runs in a fraction of a second, with trainings, all kinds of evaluations and a search.
+/// A campaign that runs in a fraction of a second, with trainings, all kinds of evaluations and a search, and no prices: the shards are to divide the trainings.
 fn write_campaign(folder: &Path) {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     let text = format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
          training short = ppo(steps: 600)\nmethod walk = homing()\n\
-         campaign parts {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: short\n\
+         campaign parts {{ vehicle: model3 body: suicidal spawn: ahead episode: thirty_seconds training: short price: 0\n\
          train {{ towns: [harbour] drivers: [behavior] rewards: [r1, r2] runs: 2 }}\n\
          evaluate {{ towns: [harbour, village] drivers: [blind] episodes: 12 }}\n\
          search {{ towns: [harbour] drivers: [blind] methods: [walk] budget: 2000 runs: 2 }} }}\n",

@@ -80,7 +80,7 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     let here = place.path();
     let again = run(here, &[], 0);
     assert!(
-        again.contains("1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, params.py")
+        again.contains("2 of 2 tasks were there already: same scenario, seed and build; `mine` is drv.py, params.py")
     );
     let name = failure(here);
 
@@ -201,7 +201,7 @@ fn work_of_a_program_without_files_is_repeated_unless_the_scenario_states_its_ve
     let again = run(here, &[], 0);
     assert!(!reused(&again), "{again}");
     assert!(
-        again.contains("1 stored task is run again: `mine` declares no `files`, so it may have changed"),
+        again.contains("2 stored tasks are run again: `mine` declares no `files`, so it may have changed"),
         "{again}"
     );
 
@@ -243,6 +243,6 @@ fn ctrl_c_ends_a_run_that_waits_for_a_driver_and_keeps_what_was_stored() {
     assert!(took < Duration::from_secs(30), "{took:?}: {}", said(&output));
     std::fs::remove_file(here.join("slow")).unwrap();
     let again = run(here, &["--replace"], 0);
-    assert!(again.contains("1 of 2 tasks were there already"), "{again}");
+    assert!(again.contains("2 of 4 tasks were there already"), "{again}");
     assert_eq!(std::fs::read_to_string(here.join("reports/d/episodes.csv")).unwrap().lines().count(), 25);
 }

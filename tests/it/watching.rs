@@ -177,7 +177,7 @@ campaign curves {
         events.filter(|event| event["event"] == "task_finished").collect::<Vec<_>>()
     };
     let first = run();
-    assert_eq!(first.len(), 9);
+    assert_eq!(first.len(), 10, "nine searches, and the price of the driver");
     for event in &first {
         let number = |key: &str| event[key].as_f64().unwrap();
         assert!(number("took_s") > 0.0 && number("done") > 0.0 && number("reused") == 0.0, "{event}");

@@ -20,7 +20,7 @@ pub const NEEDLESS: &str = "needless_braking";
 pub(super) const KIND: Kind = Kind {
     doing: ["pricing", "priced"],
     unit: "starts",
-    seconds: 0.02,
+    seconds: 1e-3,
     references: || vec![columns().reference()],
     tables: |found| Some(vec![(PRICES, columns().frame(&found.finished.found_if_any()?))]),
     ..Kind::new::<Pricing>("price", "prices", "price")

@@ -222,10 +222,10 @@ fn power(comparison: &ReportComparison) -> Option<String> {
     let before = changed.map_or(0, |changed| changed.fixed + changed.same);
     let of = match before {
         0 => String::new(),
-        _ => format!(", {:.0} % of the {before} before,", 100.0 * shown as f64 / before as f64),
+        _ => format!(" ({:.0} % of the {before} before)", 100.0 * shown as f64 / before as f64),
     };
     Some(format!(
-        "{least} common starts show, in {:.0} % of cases, a change that fixes or adds collisions from {shown} of them{of} and does not do the other.",
+        "{least} common starts show, in {:.0} % of cases, a change that only fixes or only adds collisions, from {shown} of them{of}.",
         100.0 * POWER
     ))
 }

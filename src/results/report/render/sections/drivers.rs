@@ -72,7 +72,7 @@ fn table(results: &[&DriverResult], cells: &Cells) -> Table {
                 })
         })
         .when(evaluated, |shown| {
-            shown.column(Column::number("n").page_only(), |result| cell(result).map(|cell| cell.count(&EPISODES)))
+            shown.column(Column::number("n").detail(), |result| cell(result).map(|cell| cell.count(&EPISODES)))
         })
         .when(injured, |shown| {
             let injuries = Column::number("avoidable injury / 1,000");
