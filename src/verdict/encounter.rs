@@ -18,6 +18,8 @@ const EVERY: f64 = 0.2;
 /// farthest, is 27 m at 8 m/s, and a pedestrian of 3.5 m/s adds 7 m.
 const NEAR: f64 = 15.0;
 const FORESEEN: f64 = 3.0;
+/// Time before a touch (s) from which drivers look for dangers of their own.
+const IN_SIGHT: f64 = 10.0;
 /// Time (s) over which a driver knows its own intention.
 const FORESIGHT: f64 = 2.0;
 
@@ -109,9 +111,19 @@ impl<'a> Encounter<'a> {
     ///
     /// A car that has stood for half a second has done what a careful human does. To drive off is a new decision, and from there on the question is asked anew.
     pub fn new(pair: &Pair<'a>) -> Option<Self> {
+        Self::beginning(pair, 0.0)
+    }
+
+    /// The same for drivers who have other dangers than ours: it begins up to ten seconds before the touch, as long as the pedestrian is in sight without a
+    /// break.
+    pub(super) fn in_sight(pair: &Pair<'a>) -> Option<Self> {
+        Self::beginning(pair, IN_SIGHT)
+    }
+
+    fn beginning(pair: &Pair<'a>, before: f64) -> Option<Self> {
         let contact = pair.contact?;
         let last = pair.len() - 2;
-        let mut encounter = Self::ending_at(pair, last);
+        let mut encounter = Self::ending_at(pair, last, before);
         encounter.warning += contact.fraction * encounter.dt;
         Some(encounter)
     }
@@ -120,15 +132,19 @@ impl<'a> Encounter<'a> {
     /// tick before that sample.
     pub(super) fn before(pair: &Pair<'a>, sample: usize) -> (usize, Self) {
         let last = sample.min(pair.len() - 1).saturating_sub(1);
-        let encounter = Self::ending_at(pair, last);
+        let encounter = Self::ending_at(pair, last, 0.0);
         (last - (encounter.warning / encounter.dt).round() as usize, encounter)
     }
 
-    /// The encounter whose danger was under way at this tick. Its warning is the time up to then.
-    fn ending_at(pair: &Pair<'a>, last: usize) -> Self {
+    /// The encounter whose danger was under way at this tick. Its warning is the time up to then. It begins with the danger, or earlier if the pedestrian is in sight
+    /// `before` (s) that tick.
+    fn ending_at(pair: &Pair<'a>, last: usize, before: f64) -> Self {
         let ways = ways(pair);
         let path = DrivenPath::new(pair.frames().map(|frame| frame.ego.pose));
         let danger = Approach { path: &path, pair, ways: &ways }.begins(last);
+        let earliest = last.saturating_sub((before / pair.dt()).round() as usize);
+        let is_seen = |tick: &usize| pair.in_sight(&pair.frame(*tick));
+        let danger = (earliest..danger).rev().take_while(is_seen).last().unwrap_or(danger);
         let begun = (danger..=last).rev().find(|tick| has_stood(pair, *tick)).unwrap_or(danger);
         let mut encounter = Self::between(pair, path, &ways, begun..pair.len());
         encounter.warning = (last - begun) as f64 * encounter.dt;

@@ -6,7 +6,7 @@ use super::recording_noise::{
 use super::recording_parts::{Contradiction, contradiction};
 use super::recording_spikes::{remove_position_spikes, remove_spikes, remove_velocity_spikes};
 use super::recording_units::{Misfit, TrackOf, fits, misfit};
-use super::{Inquiry, NearMiss, Verdict, ViolationVerdict};
+use super::{Answer, Inquiry, NearMiss, Verdict, ViolationVerdict};
 use episode::requirement::{Degree, NamedRequirement};
 use episode::{Driven, OtherDrive, Pair, Scenario, Trace, VehicleFrame, is_about_map};
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
@@ -142,7 +142,7 @@ fn velocity(velocity: Vector) -> String {
 }
 
 /// What a recording shows.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Encountered {
     /// The time of the first touch from the first instant (s); `None` without one.
     pub touch: Option<f64>,
@@ -157,6 +157,8 @@ pub struct Encountered {
     /// How much earlier the recording must begin for a verdict that holds (s): the danger was under way at its start, and a careful human who saw it there
     /// does not avoid the touch. `None` if nothing is missing.
     pub begins_late: Option<f64>,
+    /// What each published driver does, and each of ours; empty without a touch.
+    pub answers: Vec<Answer>,
     /// The instants at which a speed, a heading or a position was ignored, since those before and after contradict it.
     pub ignored: Vec<usize>,
     /// The requirements of the scenario.
@@ -384,6 +386,7 @@ impl Recording {
         let requirements = requirements.collect();
         let mut inquiry = Inquiry::new(&pair);
         let begins_late = inquiry.as_mut().and_then(Inquiry::begins_late);
+        let answers = inquiry.as_mut().map_or_else(Vec::new, Inquiry::answers);
         Encountered {
             touch,
             least_gap,
@@ -394,6 +397,7 @@ impl Recording {
                 ..verdict
             }),
             begins_late,
+            answers,
             ignored: self.spikes.clone(),
             requirements,
         }

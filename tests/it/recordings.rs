@@ -26,7 +26,8 @@ fn judged(folder: &Path, text: &str, options: &[&str]) -> serde_json::Value {
     std::fs::write(folder.join("trace.csv"), text).unwrap();
     let output = falsify(&[&["judge", "trace.csv", "--json"], options].concat(), folder);
     assert!(output.status.success(), "{}", error(&output));
-    serde_json::from_slice(&output.stdout).unwrap()
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    found["encounters"][0].clone()
 }
 
 #[test]
@@ -314,41 +315,4 @@ proptest! {
             prop_assert!(names_a_place || text.contains("between two instants"), "{}", text);
         }
     }
-}
-
-/// The Fuzzy Safety Model is that of its authors in at least 98 % of the encounters of the reference folder, which have the answers of their code, and no collision
-/// is preventable that their model does not avoid.
-#[needs(reference = "reference/careful_drivers/encounters.json")]
-#[test]
-fn the_models_of_the_reference_folder_answer_as_their_authors_code() {
-    let path = reference::folder().join("reference/careful_drivers/encounters.json");
-    let file: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
-    let (car, number) = (&file["about"]["car"], |value: &serde_json::Value| value.as_f64().unwrap());
-    let length = number(&car["length_m"]);
-    let folder = tempfile::tempdir().unwrap();
-    let (mut asked, mut preventable, mut other) = (0, 0, Vec::new());
-    let mut resting = std::collections::BTreeMap::<String, u32>::new();
-    for each in file["encounters"].as_array().unwrap().iter().filter(|each| each.get("visible_s").is_none()) {
-        let (speed, arrival) = (number(&each["car_speed"]), number(&each["arrival_s"]));
-        let mut text = String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps\n");
-        for (instant, pose) in each["poses"].as_array().unwrap().iter().enumerate() {
-            let time = instant as f64 * 0.05;
-            let x = speed * (time - arrival) - length / 2.0;
-            let _ = writeln!(text, "{time:.2},{},{},{x},0,0,{speed}", number(&pose[0]), number(&pose[1]));
-        }
-        let found = judged(folder.path(), &text, &["--full-brake", "7.593"]);
-        if found["verdict"].is_null() || found["verdict"] == "cannot_tell" {
-            continue;
-        }
-        let (ours, theirs) = (found["avoided_by"]["fsm"] == true, each["answers"]["jrc_fsm"][0] == 0);
-        asked += 1;
-        preventable += u32::from(found["verdict"] == "preventable");
-        *resting.entry(found["rests_on"].to_string()).or_default() += 1;
-        assert!(found["verdict"] != "preventable" || theirs, "{}: {found}", each["id"]);
-        if ours != theirs {
-            other.push(each["id"].to_string());
-        }
-    }
-    println!("{asked} encounters, {preventable} preventable {resting:?}; the outcome is another in {other:?}");
-    assert!(asked > 150 && preventable > 100 && other.len() * 50 <= asked, "{asked}, {preventable}, {other:?}");
 }

@@ -35,6 +35,7 @@ mod repeats;
 mod replayed;
 mod held_programs;
 mod dossier;
+mod reference_answers;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
@@ -70,9 +71,10 @@ pub use recheck::{
 pub use render::{
     ChangeReport, Group, MapPage, Narrative, PlayedPair, Replay, SMOKE, Section, SectionMaker, StartLayer, Starts,
     Suite, Tally, TownView, animation, change_page, change_text, comparison_report, failures_for_terminal, junit,
-    map_page, narrative, overview_for_terminal, overview_page, recheck_report, reference_lines, sections, spawn_map,
+    map_page, narrative, overview_for_terminal, overview_page, recheck_report, sections, spawn_map,
     strip,
 };
+pub use reference_answers::ReferenceAnswers;
 pub use text_forms::{csv_text, json_rows};
 
 // Files: writing a report, reading one back.

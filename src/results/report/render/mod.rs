@@ -18,7 +18,7 @@ mod recheck_sections;
 
 pub use change_report::{ChangeReport, PlayedPair, change_page, change_text};
 pub use comparison_sections::comparison_report;
-pub use episode::{Narrative, animation, narrative, reference_lines, strip};
+pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit};
 pub use overview::{overview_for_terminal, overview_page};
 pub(super) use page::document;
