@@ -226,6 +226,20 @@ impl<'a> Encounter<'a> {
         Self { path, start, speeds, steps, warning, dt, half, radius, brake, walker, step_count, ways }
     }
 
+    /// The same with the pedestrian moved by this (m).
+    pub(super) fn moved(&self, by: Vector) -> Self {
+        let mut moved = self.clone();
+        for step in &mut moved.steps {
+            step.position += by;
+            step.place.along += by.dot(&step.place.direction);
+            step.place.aside += step.place.direction.perp(&by);
+        }
+        if let Some(walker) = &mut moved.walker {
+            (walker.state.pose.x, walker.state.pose.y) = (walker.state.pose.x + by.x, walker.state.pose.y + by.y);
+        }
+        moved
+    }
+
     /// Whether there is a pedestrian at this tick, for at most five seconds after the recorded touch.
     pub(super) fn has_step(&mut self, tick: usize) -> bool {
         let Some(walker) = &mut self.walker else { return tick < self.steps.len() };

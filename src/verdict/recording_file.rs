@@ -127,7 +127,7 @@ impl Recording {
         let lines: Vec<usize> = times.iter().map(|(line, _)| *line).collect();
         match made {
             Ok(mut recording) => {
-                recording.lines = lines;
+                recording.tell_lines(&lines);
                 Ok(recording)
             }
             Err(RecordingError::Instant { instant, fault }) => {

@@ -70,12 +70,12 @@ fn the_models_of_the_reference_folder_answer_as_their_authors_code() {
     for each in file["encounters"].as_array().unwrap() {
         let judged = judged(each, &file["about"], &scenario);
         let Some(verdict) = judged.verdict else { continue };
-        let id = each["id"].as_str().unwrap();
+        let (id, answers) = (each["id"].as_str().unwrap(), judged.answers());
         asked += 1;
         preventable += u32::from(verdict.is_preventable());
         assert!(!verdict.is_preventable() || each["answers"]["jrc_fsm"][0] == 0, "{id}");
         for (ours, theirs) in models {
-            let answer = judged.answers.iter().find(|answer| answer.driver.name == ours).unwrap();
+            let answer = answers.iter().find(|answer| answer.driver.name == ours).unwrap();
             if answer.trial.is_avoided() != (each["answers"][theirs][0] == 0) {
                 others.push((ours, id.to_owned()));
             }
@@ -114,7 +114,8 @@ fn the_brake_of_the_regulation_meets_the_table_of_the_reference_folder() {
         let walker = |instant| PedestrianState::moving(Pose::new(0.188, walking * time(instant), 90_f64.to_radians()), walking);
         let recording = Recording::new(DT, instants.clone().map(car).collect(), instants.map(walker).collect()).unwrap();
         let judged = recording.judged_without_obstacles(&scenario);
-        let brake = judged.answers.iter().find(|answer| answer.driver.name == "r152_aeb").unwrap();
+        let answers = judged.answers();
+        let brake = answers.iter().find(|answer| answer.driver.name == "r152_aeb").unwrap();
         let impact = brake.trial.impact_speed.unwrap_or(0.0);
         assert!(impact <= allowed + 0.05 && (speed < 42.1 / 3.6 || impact > 0.0), "{row}: {impact} m/s");
         asked += 1;

@@ -15,6 +15,7 @@ mod junit;
 mod change_report;
 mod comparison_sections;
 mod recheck_sections;
+mod judgement_page;
 
 pub use change_report::{ChangeReport, PlayedPair, change_page, change_text};
 pub use comparison_sections::comparison_report;
@@ -23,6 +24,7 @@ pub use junit::{Suite, junit};
 pub use overview::{overview_for_terminal, overview_page};
 pub(super) use page::document;
 pub use page::{Replay, Tally, listed, page_examples, write_page};
+pub use judgement_page::judgement_page;
 pub use recheck_sections::recheck_report;
 pub(crate) use sections::search_section;
 pub use sections::{Group, SectionMaker, failures_for_terminal, sections, share_of_two};
