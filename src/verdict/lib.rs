@@ -86,7 +86,7 @@ pub use reaction::share_of_drivers;
 pub use recorded_scene::{Meeting, RecordedActor, RecordedScene};
 pub use recording_findings::{Damage, Finding};
 pub use recording::{Encountered, InstantFault, RecordedRequirement, Recording, RecordingError, Sizes};
-pub use recording_file::RecordingFileError;
+pub use recording_file::{HeadingUnit, RecordingFileError, Units};
 pub use reference::Reference;
 pub use severity::severe_injury_risk;
 pub use sensitivity::Sensitivity;

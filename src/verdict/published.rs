@@ -40,37 +40,24 @@ fn reacting(reaction: f64) -> Box<dyn ReferenceDriver> {
 impl Published {
     /// All of them: those of others first.
     pub const ALL: [Self; 15] = [
-        Self::of(
-            "r157_cc",
-            "UN R157, human, for cut-ins (JRC-FSM)",
-            "bodies overlap sideways, TTC 2 s",
-            || Box::new(CutInBrake::human(0.0)),
-        ),
-        Self::of("r157_cc_lane", "the same, in a lane of 3.5 m (JRC-FSM)", "1.135 m beside the car, TTC 2 s", || {
-            Box::new(CutInBrake::human(1.135))
-        }),
-        Self::of("esmini", "human for pedestrians (esmini, read)", "moves towards the path", || {
-            Box::<AlksHuman>::default()
-        }),
-        Self::of("fsm", "UN R157, fuzzy safety (JRC-FSM)", "unsafe distance, on course", || Reference::FuzzySafety.driver()),
-        Self::of("r157_system", "UN R157, 5.2.5.2, the system (JRC-FSM)", "0.5 m beside the car, TTC v/12 + 0.45 s", || {
-            Box::new(CutInBrake::regulation())
-        }),
-        Self::of("rss_lanes", "RSS, lanes (JRC-FSM)", "both distances unsafe", || Box::new(CutInBrake::lanes())),
-        Self::of("rss_free", "RSS, free ground (ad-rss, CARLA)", "both could not stop apart", || Box::new(Rss::free())),
-        Self::of("surprised", "reaction to a surprise (Green 2000)", "on course", || reacting(SURPRISED)),
-        Self::of("unalerted", "mean reaction in traffic (Taoka 1989)", "on course", || reacting(UNALERTED)),
-        Self::of("r152_aeb", "UN R152, the least that it asks of a brake", "on course, TTC 1.17 s", || {
+        Self::of("r157_cc", "JRC-FSM", "overlap, TTC 2 s", || Box::new(CutInBrake::human(0.0))),
+        Self::of("r157_cc_lane", "JRC-FSM", "1.135 m, TTC 2 s", || Box::new(CutInBrake::human(1.135))),
+        Self::of("esmini", "esmini, read", "towards the path", || Box::<AlksHuman>::default()),
+        Self::of("fsm", "JRC-FSM", "unsafe, on course", || Reference::FuzzySafety.driver()),
+        Self::of("r157_system", "JRC-FSM", "0.5 m, TTC by speed", || Box::new(CutInBrake::regulation())),
+        Self::of("rss_lanes", "JRC-FSM", "unsafe distances", || Box::new(CutInBrake::lanes())),
+        Self::of("rss_free", "ad-rss, CARLA", "no stop apart", || Box::new(Rss::free())),
+        Self::of("surprised", "Green 2000", "on course", || reacting(SURPRISED)),
+        Self::of("unalerted", "Taoka 1989", "on course", || reacting(UNALERTED)),
+        Self::of("r152_aeb", "UN R152", "on course, 1.17 s", || {
             let gate = Gate { least: R152.1, in_time: false, ..Gate::CAREFUL };
             Box::new(DelayedBrake::new(Some(gate), BrakeProfile { wait: 0.0, ramp: 0.0, full: R152.0 }))
         }),
-        Self::ours("cc", "ours: R157's times and brake", "on course, in time to stop", || Reference::CarefulHuman.driver()),
-        Self::ours("cc_attentive", "ours: the same, risk evaluated", "on course, in time to stop", || {
-            Reference::AttentiveHuman.driver()
-        }),
-        Self::ours("rss_straight", "ours: RSS, keeps to its path", "both could not stop apart", || Reference::Rss.driver()),
-        Self::ours("ideal", "ours: an emergency brake", "on course, in time to stop", || Reference::IdealBrake.driver()),
-        Self::ours("bound", "physics: 0.85 g at once", "in the path or towards it", || Reference::Bound.driver()),
+        Self::ours("cc", "on course, in time", || Reference::CarefulHuman.driver()),
+        Self::ours("cc_attentive", "on course, in time", || Reference::AttentiveHuman.driver()),
+        Self::ours("rss_straight", "no stop apart", || Reference::Rss.driver()),
+        Self::ours("ideal", "on course, in time", || Reference::IdealBrake.driver()),
+        Self::ours("bound", "in the path", || Reference::Bound.driver()),
     ];
 
     const fn of(
@@ -82,13 +69,8 @@ impl Published {
         Self { name, source, trigger, is_published: true, driver }
     }
 
-    const fn ours(
-        name: &'static str,
-        source: &'static str,
-        trigger: &'static str,
-        driver: fn() -> Box<dyn ReferenceDriver>,
-    ) -> Self {
-        Self { is_published: false, ..Self::of(name, source, trigger, driver) }
+    const fn ours(name: &'static str, trigger: &'static str, driver: fn() -> Box<dyn ReferenceDriver>) -> Self {
+        Self { is_published: false, ..Self::of(name, "ours", trigger, driver) }
     }
 
     /// Drives an encounter with it.

@@ -12,7 +12,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::Error;
 use recordings::Recordings;
 use results::report::{self, Gate, JudgedMeeting};
-use verdict::Sizes;
+use verdict::{HeadingUnit, Sizes, Units};
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -52,6 +52,18 @@ pub struct JudgeArgs {
     /// Pedestrians that come nearer to a car than this are encounters (m).
     #[arg(long, value_name = "METRES", default_value_t = 2.0)]
     pub near: f64,
+    /// The unit of `time_s`: s, ms, us or ns.
+    #[arg(long, value_name = "UNIT", default_value = "s", value_parser = ["s", "ms", "us", "ns"])]
+    pub time_unit: String,
+    /// The unit of speeds: m/s, km/h or mph.
+    #[arg(long, value_name = "UNIT", default_value = "m/s", value_parser = ["m/s", "km/h", "mph"])]
+    pub speed_unit: String,
+    /// What headings are: deg or rad from x to y, or compass, in degrees clockwise from y.
+    #[arg(long, value_name = "UNIT", default_value = "deg", value_parser = ["deg", "rad", "compass"])]
+    pub heading_unit: String,
+    /// Take the velocity of the pedestrian from its positions: its columns are those of its body.
+    #[arg(long)]
+    pub no_velocity: bool,
     /// Length of the car (m); without it that of the recording, or of the paper's car, 4.79.
     #[arg(long, value_name = "METRES")]
     pub length: Option<f64>,
@@ -84,10 +96,10 @@ pub fn judge(options: &JudgeArgs) -> Ended {
     let gates = gates.collect::<Result<Vec<Gate>, _>>().map_err(|error| misused(format!("--fail-if: {error}")))?;
     let sizes =
         Sizes { length: options.length, width: options.width, radius: options.radius, full_brake: options.full_brake };
-    let recordings = Recordings::read(&options.file, options.near, options.car.as_deref());
+    let recordings = Recordings::read(options, &units(options));
     let judged = recordings.and_then(|recordings| recordings.judged(sizes));
-    let mut all = judged.map_err(|reason| {
-        failed(Error::Usage(format!("cannot judge `{}`: {reason}", options.file.display())))
+    let mut all = judged.map_err(|reason: String| {
+        failed(Error::Usage(format!("cannot judge `{}`: {}", options.file.display(), with_option(&reason))))
     })?;
     JudgedMeeting::sort(&mut all);
     if options.json {
@@ -111,6 +123,43 @@ pub fn judge(options: &JudgeArgs) -> Ended {
         passes &= !judged.iter().any(report::Judged::fails);
     }
     Ok(ExitCode::of_gate(passes))
+}
+
+fn units(options: &JudgeArgs) -> Units {
+    let time = match &*options.time_unit {
+        "ms" => 1e-3,
+        "us" => 1e-6,
+        "ns" => 1e-9,
+        _ => 1.0,
+    };
+    let speed = match &*options.speed_unit {
+        "km/h" => 1.0 / 3.6,
+        "mph" => 0.44704,
+        _ => 1.0,
+    };
+    let heading = HeadingUnit::named(&options.heading_unit).unwrap_or(HeadingUnit::Degrees);
+    Units { time, speed, heading, without_velocity: options.no_velocity }
+}
+
+/// The option that says what a recording looks like, for the reasons that name it.
+const OPTIONS: [(&str, &str); 7] = [
+    ("look like milliseconds", "--time-unit ms"),
+    ("look like microseconds", "--time-unit us"),
+    ("look like nanoseconds", "--time-unit ns"),
+    ("look like km/h", "--speed-unit km/h"),
+    ("look like mph", "--speed-unit mph"),
+    ("look like radians", "--heading-unit rad"),
+    ("look like compass bearings", "--heading-unit compass"),
+];
+
+/// A reason, with the option that helps.
+fn with_option(reason: &str) -> String {
+    let body = "leave out speed and heading";
+    let option = OPTIONS.iter().find(|(words, _)| reason.contains(words)).map(|(_, option)| *option);
+    match option.or(reason.contains(body).then_some("--no-velocity")) {
+        Some(option) => format!("{reason} (`{option}`)"),
+        None => reason.to_owned(),
+    }
 }
 
 fn say_wrapped(text: &str) {

@@ -1,11 +1,12 @@
 use std::path::Path;
 
+use super::JudgeArgs;
 use crate::session::{Input, Session};
 use episode::Scenario;
 use lang::reason;
 use results::report::JudgedMeeting;
 use road::geometry::Obstacles;
-use verdict::{Meeting, Recording, Sizes};
+use verdict::{Meeting, Recording, Sizes, Units};
 
 /// The paper's car and pedestrian, whose sizes and grip a recording has when nothing else is stated.
 const PAPER: &str = "\
@@ -28,15 +29,16 @@ pub struct Recordings {
 }
 
 impl Recordings {
-    /// Reads a file; pairs of a scene that come nearer than `near` (m) are encounters.
+    /// Reads a file; of a scene the pairs that come near each other are encounters.
     ///
     /// # Errors
     /// Why it cannot be judged.
-    pub fn read(file: &Path, near: f64, car: Option<&str>) -> Result<Self, String> {
+    pub fn read(options: &JudgeArgs, units: &Units) -> Result<Self, String> {
+        let (file, near, car) = (&options.file, options.near, options.car.as_deref());
         let ends = |end: &str| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(end));
         if !ends("mcap") && !ends("osi") {
             let text = base::files::text(file).map_err(|error| reason(&error))?;
-            let recording = Recording::from_csv(&text).map_err(|error| error.to_string())?;
+            let recording = Recording::from_csv_in(&text, units).map_err(|error| error.to_string())?;
             let dt = recording.dt();
             let (car, pedestrian) = ("ego".to_owned(), "pedestrian".to_owned());
             let (sizes, obstacles) = (Sizes::default(), Obstacles::new(&[]).into());
