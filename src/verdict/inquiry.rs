@@ -5,7 +5,8 @@ use super::reaction::{MAX_REACTION, share_of_drivers};
 use super::reference::Model;
 use super::trial::{FreeRun, Notice};
 use super::{
-    Answer, Class, ContactSide, Encounter, Label, PedestrianMotion, Published, Reference, RestsOn, Sight, Trial, Verdict, contact_side,
+    Answer, Class, ContactSide, Encounter, Label, PedestrianMotion, Published, Reference, RestsOn, Sight, Trial,
+    Verdict, contact_side,
 };
 use episode::Pair;
 use world::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion};

@@ -31,10 +31,10 @@ const R152: (f64, f64) = (5.0, 42.0 / 3.6 / 10.0);
 const SURPRISED: f64 = 1.5;
 const UNALERTED: f64 = 1.21;
 
-/// A human with this reaction time (s), who brakes like UN R157's from when somebody is on course into the path.
+/// A human with this reaction time (s), who brakes like UN R157's from when somebody is in the path.
 fn reacting(reaction: f64) -> Box<dyn ReferenceDriver> {
-    let on_course = Gate { least: f64::INFINITY, ..Gate::CAREFUL };
-    Box::new(DelayedBrake::new(Some(on_course), BrakeProfile::careful_human(reaction)))
+    let in_path = Gate { least: f64::INFINITY, in_path: true, ..Gate::CAREFUL };
+    Box::new(DelayedBrake::new(Some(in_path), BrakeProfile::careful_human(reaction)))
 }
 
 impl Published {
@@ -47,8 +47,8 @@ impl Published {
         Self::of("r157_system", "JRC-FSM", "0.5 m, TTC by speed", || Box::new(CutInBrake::regulation())),
         Self::of("rss_lanes", "JRC-FSM", "unsafe distances", || Box::new(CutInBrake::lanes())),
         Self::of("rss_free", "ad-rss, CARLA", "no stop apart", || Box::new(Rss::free())),
-        Self::of("surprised", "Green 2000", "on course", || reacting(SURPRISED)),
-        Self::of("unalerted", "Taoka 1989", "on course", || reacting(UNALERTED)),
+        Self::of("surprised", "Green 2000", "in the path", || reacting(SURPRISED)),
+        Self::of("unalerted", "Taoka 1989", "in the path", || reacting(UNALERTED)),
         Self::of("r152_aeb", "UN R152", "on course, 1.17 s", || {
             let gate = Gate { least: R152.1, in_time: false, ..Gate::CAREFUL };
             Box::new(DelayedBrake::new(Some(gate), BrakeProfile { wait: 0.0, ramp: 0.0, full: R152.0 }))
@@ -57,7 +57,7 @@ impl Published {
         Self::ours("cc_attentive", "on course, in time", || Reference::AttentiveHuman.driver()),
         Self::ours("rss_straight", "no stop apart", || Reference::Rss.driver()),
         Self::ours("ideal", "on course, in time", || Reference::IdealBrake.driver()),
-        Self::ours("bound", "in the path", || Reference::Bound.driver()),
+        Self::ours("bound", "towards the path", || Reference::Bound.driver()),
     ];
 
     const fn of(

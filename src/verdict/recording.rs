@@ -309,7 +309,8 @@ impl Recording {
         let jumps = tracks.each_ref().map(|(who, track, of)| Self::jumps(who, track, dt, *of));
         // What most steps do is a matter of units.
         let is_whole = |place: usize| jumps[place].is_empty() || jumps[place].len() * 2 > self.ego.len();
-        for (_, (who, track, track_of)) in told.iter().enumerate().filter(|(place, _)| !fits_before && is_whole(*place)) {
+        for (_, (who, track, track_of)) in told.iter().enumerate().filter(|(place, _)| !fits_before && is_whole(*place))
+        {
             match misfit(track, dt, *track_of) {
                 None => {}
                 Some(Misfit::Speed { ratio, likely }) => {

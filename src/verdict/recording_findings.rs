@@ -63,7 +63,9 @@ impl fmt::Display for Finding {
             _ => "correct what is wrong, or leave out speed and heading: they then come from the positions",
         };
         match &self.what {
-            Damage::Spike(quantity) => write!(f, "{place}: the {quantity} of the {who} leaps there and back; correct it"),
+            Damage::Spike(quantity) => {
+                write!(f, "{place}: the {quantity} of the {who} leaps there and back; correct it")
+            }
             Damage::Jump { moved, speed } => write!(
                 f,
                 "{place}: the {who} has moved {moved:.1} m since the instant before, at {speed:.1} m/s; correct the position or the speed"
@@ -78,10 +80,9 @@ impl fmt::Display for Finding {
                 f,
                 "{place}: positions of the {who} are repeated for {time:.2} s; give only rows with a new position, at their own step"
             ),
-            Damage::Noise(noise) => write!(
-                f,
-                "positions of the {who} have a noise of {noise:.3} m: they are smoothed over at most 0.5 s"
-            ),
+            Damage::Noise(noise) => {
+                write!(f, "positions of the {who} have a noise of {noise:.3} m: they are smoothed over at most 0.5 s")
+            }
         }
     }
 }
@@ -223,12 +224,7 @@ const DIRECTIONS: [(f64, f64); 4] = [
 
 /// Finds the first of the shortest parts that contradict themselves, in the poses and speeds (m/s) of an actor at instants that are `dt` (s) apart; what follows is in doubt.
 /// The mean velocity of a part lies between its velocities, whatever it brakes or turns; a speed that is late or early by a third of a second is within the tolerances.
-pub(super) fn contradiction(
-    who: &'static str,
-    track: &[(Pose, f64)],
-    dt: f64,
-    of: TrackOf,
-) -> Option<Finding> {
+pub(super) fn contradiction(who: &'static str, track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Finding> {
     let positions: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
     let velocities: Vec<Vector> = track.iter().map(|(pose, speed)| pose.forward() * *speed).collect();
     let explained = ways(velocities.iter().copied(), dt);

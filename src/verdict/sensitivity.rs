@@ -53,9 +53,11 @@ impl Sensitivity {
             varied.radius += margin;
             let driver = DelayedBrake::new(Some(Gate::CAREFUL), BrakeProfile { wait: reaction, ramp: 0.6, full });
             variations += 1;
-            avoided += u32::from(braked(&mut varied, driver).is_avoided());
+            let noticed = free.noticed(&varied, &driver);
+            avoided += u32::from(free.braked(&mut varied, driver, noticed).is_avoided());
         }
-        let is_steady = noise <= 0.0 || Self::differ(encounter, noise, is_preventable, &mut stream) <= Self::MAX_DIFFERENT;
+        let is_steady =
+            noise <= 0.0 || Self::differ(encounter, noise, is_preventable, &mut stream) <= Self::MAX_DIFFERENT;
         Self { variations, avoided, is_steady }
     }
 
@@ -75,10 +77,4 @@ impl Sensitivity {
     pub fn percent(&self) -> f64 {
         100.0 * f64::from(self.avoided) / f64::from(self.variations.max(1))
     }
-}
-
-fn braked(encounter: &mut Encounter<'_>, driver: DelayedBrake) -> Trial {
-    let free = FreeRun::new(encounter);
-    let noticed = free.noticed(encounter, &driver);
-    free.braked(encounter, driver, noticed)
 }

@@ -26,7 +26,8 @@ fn judged(each: &Value, about: &Value, scenario: &episode::Scenario) -> Encounte
         VehicleState { pose, speed, ..VehicleState::default() }
     };
     let place = |instant: usize| Point::new(number(&poses[instant][0]), number(&poses[instant][1]));
-    let velocity = |instant: usize| (place((instant + 1).min(poses.len() - 1)) - place(instant.min(poses.len() - 2))) / DT;
+    let velocity =
+        |instant: usize| (place((instant + 1).min(poses.len() - 1)) - place(instant.min(poses.len() - 2))) / DT;
     let walker = |instant: usize| {
         let (place, velocity) = (place(instant), velocity(instant));
         let pose = Pose::new(place.x, place.y, libm::atan2(velocity.y, velocity.x));
@@ -111,8 +112,10 @@ fn the_brake_of_the_regulation_meets_the_table_of_the_reference_folder() {
             speed,
             ..VehicleState::default()
         };
-        let walker = |instant| PedestrianState::moving(Pose::new(0.188, walking * time(instant), 90_f64.to_radians()), walking);
-        let recording = Recording::new(DT, instants.clone().map(car).collect(), instants.map(walker).collect()).unwrap();
+        let walker =
+            |instant| PedestrianState::moving(Pose::new(0.188, walking * time(instant), 90_f64.to_radians()), walking);
+        let recording =
+            Recording::new(DT, instants.clone().map(car).collect(), instants.map(walker).collect()).unwrap();
         let judged = recording.judged_without_obstacles(&scenario);
         let answers = judged.answers();
         let brake = answers.iter().find(|answer| answer.driver.name == "r152_aeb").unwrap();

@@ -123,18 +123,38 @@ fn normal(stream: &mut Stream, deviation: f64) -> f64 {
 #[test]
 fn a_row_without_speed_is_no_stop() {
     for before in [0.1, 0.6, 1.1, 1.2, 1.9, 2.4, 2.5] {
-        unchanged_or(&[10.0, 20.0, 50.0], "a row with speed 0", |rows, rate| {
-            rows[((9.0 - before) * rate).round() as usize][4] = 0.0;
-        }, &["the speed of the car leaps"]);
+        unchanged_or(
+            &[10.0, 20.0, 50.0],
+            "a row with speed 0",
+            |rows, rate| {
+                rows[((9.0 - before) * rate).round() as usize][4] = 0.0;
+            },
+            &["the speed of the car leaps"],
+        );
     }
-    unchanged_or(&[20.0], "a first row with speed 0", |rows, _| rows[0][4] = 0.0, &["line 2: the speed of the car leaps"]);
+    unchanged_or(
+        &[20.0],
+        "a first row with speed 0",
+        |rows, _| rows[0][4] = 0.0,
+        &["line 2: the speed of the car leaps"],
+    );
     for place in [1, 150] {
-        unchanged_or(&[20.0], "a row with another heading", |rows, _| rows[place][3] = 90.0, &["the heading of the car leaps"]);
+        unchanged_or(
+            &[20.0],
+            "a row with another heading",
+            |rows, _| rows[place][3] = 90.0,
+            &["the heading of the car leaps"],
+        );
     }
-    unchanged_or(&[20.0], "the last row but one with speed 0", |rows, _| {
-        let place = rows.len() - 2;
-        rows[place][4] = 0.0;
-    }, &["the speed of the car leaps"]);
+    unchanged_or(
+        &[20.0],
+        "the last row but one with speed 0",
+        |rows, _| {
+            let place = rows.len() - 2;
+            rows[place][4] = 0.0;
+        },
+        &["the speed of the car leaps"],
+    );
 }
 
 #[test]
@@ -248,7 +268,8 @@ fn a_jump_that_nobody_makes_is_told_with_its_row() {
                 rows[70][place] += 1.0;
                 let found = class(&scenario, &rows, columns);
                 let all = judged(&scenario, &rows, columns).unwrap().findings;
-                let is_there = |finding: &verdict::Finding| finding.who == who && (finding.first..=finding.last).contains(&70);
+                let is_there =
+                    |finding: &verdict::Finding| finding.who == who && (finding.first..=finding.last).contains(&70);
                 assert!(all.iter().any(is_there), "{rate} Hz, {columns}: {all:?}");
                 assert!(rate > 20.0 || found.starts_with("line "), "{rate} Hz, {columns}: {found}");
             }
@@ -513,9 +534,7 @@ fn positions_that_are_held_are_told() {
                 .for_each(|(number, row)| row[5..].copy_from_slice(&held[number / every * every][5..]));
             let found = judged(&scenario, &rows, 7).unwrap();
             let wanted = f64::from(every as u32) / rate;
-            let is_held = |finding: &verdict::Finding| {
-                matches!(finding.what, verdict::Damage::Held(time) if (time - wanted).abs() < 1e-9)
-            };
+            let is_held = |finding: &verdict::Finding| matches!(finding.what, verdict::Damage::Held(time) if (time - wanted).abs() < 1e-9);
             assert!(found.findings.iter().any(is_held), "{rate} Hz, {every} rows: {:?}", found.findings);
             assert!(found.told().is_none(), "{rate} Hz, {every} rows");
         }

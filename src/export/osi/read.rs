@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use base::messages;
 use prost::Message;
 
-use super::messages::{Base, GroundTruth, Identifier};
+use super::messages::{Base, GroundTruth, Identifier, MovingObject};
 use road::geometry::{OrientedBox, Pose, Vector};
 use verdict::{RecordedActor, RecordedScene};
 
@@ -49,124 +49,144 @@ const LOW: f64 = 1.2;
 /// # Errors
 /// The file is cut, holds no such messages, or they have no constant step.
 pub fn read(bytes: &[u8]) -> Result<RecordedScene, TraceError> {
-    let messages = if bytes.starts_with(b"\x89MCAP") { of_mcap(bytes)? } else { of_lengths(bytes)? };
-    scene(&messages)
-}
-
-fn of_mcap(bytes: &[u8]) -> Result<Vec<GroundTruth>, TraceError> {
-    let failed = |error: mcap::McapError| TraceError::Mcap(error.to_string());
-    let (mut found, mut others) = (Vec::new(), BTreeMap::<String, usize>::new());
-    for message in mcap::MessageStream::new(bytes).map_err(failed)? {
-        let message = message.map_err(failed)?;
-        let schema = message.channel.schema.as_ref().map_or("", |schema| &schema.name).to_owned();
-        let read = match &*schema {
-            "osi3.GroundTruth" => GroundTruth::decode(&*message.data).map(Some),
-            "osi3.SensorView" => SensorView::decode(&*message.data).map(|view| view.ground_truth),
-            _ => {
-                *others.entry(schema).or_default() += 1;
-                continue;
-            }
-        };
-        let number = found.len() + 1;
-        let read = read.map_err(|error| TraceError::Message { number, reason: error.to_string() })?;
-        found.extend(read);
-    }
-    if found.is_empty() {
-        let names: Vec<String> = others.into_iter().map(|(name, count)| format!("{count} of `{name}`")).collect();
-        return Err(TraceError::Empty(if names.is_empty() { "none".to_owned() } else { names.join(", ") }));
-    }
-    Ok(found)
-}
-
-/// Messages with their lengths before them, as four bytes, the lowest first.
-fn of_lengths(bytes: &[u8]) -> Result<Vec<GroundTruth>, TraceError> {
-    let (mut found, mut rest) = (Vec::new(), bytes);
-    while let Some((length, after)) = rest.split_first_chunk::<4>() {
-        let (number, wanted) = (found.len() + 1, u32::from_le_bytes(*length) as usize);
-        let Some((data, next)) = after.split_at_checked(wanted) else {
-            return Err(TraceError::Cut { number, found: after.len(), wanted });
-        };
-        let refused = |error: prost::DecodeError| TraceError::Message { number, reason: error.to_string() };
-        let is_truth = |truth: &GroundTruth| truth.timestamp.is_some() && !truth.moving_objects.is_empty();
-        let truth = match GroundTruth::decode(data) {
-            Ok(truth) if is_truth(&truth) => Some(truth),
-            read => SensorView::decode(data).ok().and_then(|view| view.ground_truth).or(read.map(Some).map_err(refused)?),
-        };
-        found.extend(truth);
-        rest = next;
-    }
-    Ok(found)
-}
-
-fn time(truth: &GroundTruth) -> f64 {
-    let stamp = truth.timestamp.clone().unwrap_or_default();
-    stamp.seconds.unwrap_or(0) as f64 + f64::from(stamp.nanos.unwrap_or(0)) * 1e-9
-}
-
-/// The usual step between the messages (s).
-fn step(messages: &[GroundTruth]) -> Result<f64, TraceError> {
-    let steps: Vec<f64> = messages.windows(2).map(|pair| time(&pair[1]) - time(&pair[0])).collect();
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let usual = *sorted.get(steps.len() / 2).ok_or(TraceError::Short)?;
-    let start = time(&messages[0]);
-    let mean = (time(&messages[steps.len()]) - start) / steps.len() as f64;
-    let is_late = |(place, truth): (usize, &GroundTruth)| {
-        let off = (time(truth) - start - place as f64 * mean).abs();
-        off.is_nan() || off > mean.abs() / 2.0
+    let mut reader = Reader::default();
+    if bytes.starts_with(b"\x89MCAP") {
+        reader.read_mcap(bytes)?
+    } else {
+        reader.read_lengths(bytes)?
     };
-    match messages.iter().enumerate().position(|each| is_late(each)) {
-        None => Ok(mean),
-        Some(_) => {
-            let far = |place: &usize| (steps[*place] - usual).abs();
-            let worst = (0..steps.len()).max_by(|one, other| far(one).total_cmp(&far(other))).unwrap_or(0);
-            Err(TraceError::Uneven { number: worst + 2, found: steps[worst], step: usual })
-        }
-    }
+    reader.scene()
 }
 
-fn scene(messages: &[GroundTruth]) -> Result<RecordedScene, TraceError> {
-    let dt = step(messages)?;
-    let mut tracks = BTreeMap::<u64, Vec<RecordedActor>>::new();
-    let mut obstacles = BTreeMap::new();
-    for (instant, truth) in messages.iter().enumerate() {
-        let number = instant + 1;
+/// What was read up to now.
+#[derive(Default)]
+struct Reader {
+    /// The times of the messages (s).
+    times: Vec<f64>,
+    /// The parts of each object's track.
+    tracks: BTreeMap<u64, Vec<RecordedActor>>,
+    obstacles: BTreeMap<u64, OrientedBox>,
+    host: Option<u64>,
+}
+
+impl Reader {
+    fn read_mcap(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
+        let failed = |error: mcap::McapError| TraceError::Mcap(error.to_string());
+        let mut others = BTreeMap::<String, usize>::new();
+        for message in mcap::MessageStream::new(bytes).map_err(failed)? {
+            let message = message.map_err(failed)?;
+            let schema = message.channel.schema.as_ref().map_or("", |schema| &schema.name);
+            let read = match schema {
+                "osi3.GroundTruth" => GroundTruth::decode(&*message.data).map(Some),
+                "osi3.SensorView" => SensorView::decode(&*message.data).map(|view| view.ground_truth),
+                _ => {
+                    *others.entry(schema.to_owned()).or_default() += 1;
+                    continue;
+                }
+            };
+            let number = self.times.len() + 1;
+            let read = read.map_err(|error| TraceError::Message { number, reason: error.to_string() })?;
+            read.map_or(Ok(()), |truth| self.add(&truth))?;
+        }
+        if self.times.is_empty() {
+            let names: Vec<String> = others.into_iter().map(|(name, count)| format!("{count} of `{name}`")).collect();
+            return Err(TraceError::Empty(if names.is_empty() { "none".to_owned() } else { names.join(", ") }));
+        }
+        Ok(())
+    }
+
+    /// Reads messages with their lengths before them, as four bytes, the lowest first.
+    fn read_lengths(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
+        let mut rest = bytes;
+        while let Some((length, after)) = rest.split_first_chunk::<4>() {
+            let (number, wanted) = (self.times.len() + 1, u32::from_le_bytes(*length) as usize);
+            let Some((data, next)) = after.split_at_checked(wanted) else {
+                return Err(TraceError::Cut { number, found: after.len(), wanted });
+            };
+            let refused = |error: prost::DecodeError| TraceError::Message { number, reason: error.to_string() };
+            let is_truth = |truth: &GroundTruth| truth.timestamp.is_some() && !truth.moving_objects.is_empty();
+            let truth = match GroundTruth::decode(data) {
+                Ok(truth) if is_truth(&truth) => truth,
+                read => match SensorView::decode(data).ok().and_then(|view| view.ground_truth) {
+                    Some(truth) => truth,
+                    None => read.map_err(refused)?,
+                },
+            };
+            self.add(&truth)?;
+            rest = next;
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, truth: &GroundTruth) -> Result<(), TraceError> {
+        let instant = self.times.len();
+        let stamp = truth.timestamp.clone().unwrap_or_default();
+        self.times.push(stamp.seconds.unwrap_or(0) as f64 + f64::from(stamp.nanos.unwrap_or(0)) * 1e-9);
+        self.host = self.host.or(truth.host_vehicle.as_ref().map(|id| value(Some(id))));
         for object in &truth.stationary_objects {
             let found = object.base.as_ref().and_then(placed).filter(|(.., height)| *height >= LOW);
             if let Some((pose, (length, width), _)) = found {
-                obstacles.insert(value(object.id.as_ref()), OrientedBox::new(pose, length / 2.0, width / 2.0));
+                self.obstacles.insert(value(object.id.as_ref()), OrientedBox::new(pose, length / 2.0, width / 2.0));
             }
         }
-        for object in &truth.moving_objects {
-            let is_pedestrian = object.kind == Some(PEDESTRIAN);
-            let no_car = object.classification.as_ref().and_then(|class| class.kind).is_some_and(|kind| NO_CARS.contains(&kind));
-            if !is_pedestrian && (object.kind != Some(VEHICLE) || no_car) {
-                continue;
-            }
-            let id = value(object.id.as_ref());
-            let missing = |what| TraceError::Missing { number, object: id, what };
-            let base = object.base.as_ref().ok_or_else(|| missing("base"))?;
-            let (pose, size, _) = placed(base).ok_or_else(|| missing("position"))?;
-            let velocity = base.velocity.as_ref().and_then(|velocity| Some(Vector::new(velocity.x?, velocity.y?)));
-            let parts = tracks.entry(id).or_default();
-            // Who was away for a time is another actor with the same name.
-            let is_next = |part: &&mut RecordedActor| part.first + part.states.len() == instant;
-            match parts.last_mut().filter(is_next) {
-                Some(part) => part.states.push((pose, velocity)),
-                None => parts.push(RecordedActor {
-                    name: id.to_string(),
-                    is_pedestrian,
-                    size: Some(size).filter(|(length, width)| *length > 0.0 && *width > 0.0),
-                    first: instant,
-                    states: vec![(pose, velocity)],
-                }),
-            }
-        }
+        truth.moving_objects.iter().try_for_each(|object| self.add_moving(instant, object))
     }
-    let host = messages.iter().find_map(|truth| truth.host_vehicle.as_ref()).map(|id| value(Some(id)).to_string());
-    let actors: Vec<RecordedActor> = tracks.into_values().flatten().collect();
-    let host = host.filter(|name| actors.iter().any(|actor| !actor.is_pedestrian && actor.name == *name));
-    Ok(RecordedScene { dt, actors, host, obstacles: obstacles.into_values().collect() })
+
+    fn add_moving(&mut self, instant: usize, object: &MovingObject) -> Result<(), TraceError> {
+        let is_pedestrian = object.kind == Some(PEDESTRIAN);
+        let class = object.classification.as_ref().and_then(|class| class.kind);
+        let is_car = object.kind == Some(VEHICLE) && class.is_none_or(|kind| !NO_CARS.contains(&kind));
+        if !is_pedestrian && !is_car {
+            return Ok(());
+        }
+        let id = value(object.id.as_ref());
+        let missing = |what| TraceError::Missing { number: instant + 1, object: id, what };
+        let base = object.base.as_ref().ok_or_else(|| missing("base"))?;
+        let (pose, size, _) = placed(base).ok_or_else(|| missing("position"))?;
+        let velocity = base.velocity.as_ref().and_then(|velocity| Some(Vector::new(velocity.x?, velocity.y?)));
+        let parts = self.tracks.entry(id).or_default();
+        // Who was away for a time is another actor with the same name.
+        let is_next = |part: &&mut RecordedActor| part.first + part.states.len() == instant;
+        match parts.last_mut().filter(is_next) {
+            Some(part) => part.states.push((pose, velocity)),
+            None => parts.push(RecordedActor {
+                name: id.to_string(),
+                is_pedestrian,
+                size: Some(size).filter(|(length, width)| *length > 0.0 && *width > 0.0),
+                first: instant,
+                states: vec![(pose, velocity)],
+            }),
+        }
+        Ok(())
+    }
+
+    /// The usual step between the messages (s).
+    fn step(&self) -> Result<f64, TraceError> {
+        let times = &self.times;
+        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut sorted = steps.clone();
+        sorted.sort_by(f64::total_cmp);
+        let usual = *sorted.get(steps.len() / 2).ok_or(TraceError::Short)?;
+        let mean = (times[steps.len()] - times[0]) / steps.len() as f64;
+        let is_late = |(place, time): (usize, &f64)| {
+            let off = (time - times[0] - place as f64 * mean).abs();
+            off.is_nan() || off > mean.abs() / 2.0
+        };
+        if !times.iter().enumerate().any(is_late) {
+            return Ok(mean);
+        }
+        let far = |place: &usize| (steps[*place] - usual).abs();
+        let worst = (0..steps.len()).max_by(|one, other| far(one).total_cmp(&far(other))).unwrap_or(0);
+        Err(TraceError::Uneven { number: worst + 2, found: steps[worst], step: usual })
+    }
+
+    fn scene(self) -> Result<RecordedScene, TraceError> {
+        let dt = self.step()?;
+        let actors: Vec<RecordedActor> = self.tracks.into_values().flatten().collect();
+        let host = self.host.map(|id| id.to_string());
+        let host = host.filter(|name| actors.iter().any(|actor| !actor.is_pedestrian && actor.name == *name));
+        Ok(RecordedScene { dt, actors, host, obstacles: self.obstacles.into_values().collect() })
+    }
 }
 
 fn value(id: Option<&Identifier>) -> u64 {
@@ -176,7 +196,8 @@ fn value(id: Option<&Identifier>) -> u64 {
 /// The pose of the middle, length and width (m), and height (m) of an object.
 fn placed(base: &Base) -> Option<(Pose, (f64, f64), f64)> {
     let position = base.position.as_ref()?;
-    let (size, turned) = (base.dimension.clone().unwrap_or_default(), base.orientation.as_ref().and_then(|turned| turned.z));
+    let (size, turned) =
+        (base.dimension.clone().unwrap_or_default(), base.orientation.as_ref().and_then(|turned| turned.z));
     let length = |of: Option<f64>| of.unwrap_or(0.0);
     let pose = Pose::new(position.x?, position.y?, turned.unwrap_or(0.0));
     Some((pose, (length(size.x), length(size.y)), length(size.z)))

@@ -27,14 +27,19 @@ impl JudgedMeeting {
         self.found.told().filter(|_| self.sensitivity.is_none_or(|sensitivity| sensitivity.is_steady))
     }
 
+    /// The time of the touch in the recording (s); `None` without one.
+    pub fn touch(&self) -> Option<f64> {
+        self.found.touch.map(|touch| self.begins + touch)
+    }
+
     /// What it is called on a page.
     pub fn title(&self) -> String {
-        format!("{} and {}", self.car, self.pedestrian)
+        format!("car {}, pedestrian {}", self.car, self.pedestrian)
     }
 
     /// The drivers in it; `None` without a touch.
     pub fn answers(&self) -> Option<ReferenceAnswers<'_>> {
-        self.found.touch.map(|touch| ReferenceAnswers { answers: &self.answers, touch })
+        self.touch().map(|touch| ReferenceAnswers { answers: &self.answers, touch })
     }
 
     /// The worse the less: a fault, another preventable touch, one that nobody can judge, other touches, then those without one, the nearest first.
@@ -82,7 +87,7 @@ impl JudgedMeeting {
             "car": self.car,
             "pedestrian": self.pedestrian,
             "begins_s": self.begins,
-            "touch_s": found.touch,
+            "touch_s": self.touch(),
             "impact_speed_mps": verdict.map(|verdict| verdict.impact_speed),
             "side": verdict.map(|verdict| verdict.side.name()),
             "verdict": verdict.map(|verdict| verdict.label.name()).or(cannot_tell),
@@ -119,10 +124,12 @@ pub fn judgement_lines(each: &JudgedMeeting) -> Vec<String> {
             found.step
         ));
     }
-    let Some(touch) = found.touch else {
+    let Some(touch) = each.touch() else {
         lines.push(format!("no touch; the least distance is {:.2} m", found.least_gap));
         lines.extend(found.ends_before.map(|before| {
-            format!("it ends {before:.2} s before a touch, if both go on as they do: record for longer, or it tells nothing")
+            format!(
+                "it ends {before:.2} s before a touch, if both go on as they do: record for longer, or it tells nothing"
+            )
         }));
         lines.extend(found.near_miss.min_ttc.map(|ttc| format!("the least time to collision is {ttc:.2} s")));
         lines.extend(found.near_miss.pet.map(|pet| format!("the post-encroachment time is {pet:.2} s")));
@@ -149,7 +156,7 @@ pub fn judgement_lines(each: &JudgedMeeting) -> Vec<String> {
     let counts = if verdict.is_fault() { "counts" } else { "does not count" };
     let class = verdict.class();
     lines.push(format!("counts as {}: it {counts} against the driver, since {}", class.name(), class.reason()));
-    lines.push(match verdict.warning + found.step >= touch {
+    lines.push(match verdict.warning + found.step >= touch - each.begins {
         true => "the danger started in the first row, or before it".to_owned(),
         false => format!("the danger started {:.2} s before the touch", verdict.warning),
     });
@@ -178,7 +185,7 @@ pub fn meetings_for_terminal(all: &[JudgedMeeting], width: u16) -> String {
         .text("car", |each: &JudgedMeeting| Value::code(&each.car))
         .text("pedestrian", |each| Value::code(&each.pedestrian))
         .text("verdict", |each| Value::text(each.word()))
-        .number("touch (s)", move |each| number(each.found.touch.map(|touch| each.begins + touch)))
+        .number("touch (s)", move |each| number(each.touch()))
         .number("at (m/s)", move |each| number(each.told().map(|verdict| verdict.impact_speed)))
         .number("least TTC (s)", move |each| number(each.found.near_miss.min_ttc))
         .column(Column::number("gap (m)"), move |each| number(Some(each.found.least_gap)))
@@ -188,24 +195,25 @@ pub fn meetings_for_terminal(all: &[JudgedMeeting], width: u16) -> String {
 
 /// A row for each encounter, for CSV.
 pub fn meetings_table(all: &[JudgedMeeting]) -> polars::prelude::DataFrame {
-    let table: Table<'_, JudgedMeeting> = Table::new("encounters", "One row for each encounter.").columns(entries! { row: &JudgedMeeting;
-        /// the car
-        car: String = row.car.clone();
-        /// the pedestrian
-        pedestrian: String = row.pedestrian.clone();
-        /// time of the touch in the recording, empty without one
-        touch_s: f64 ["s"] = row.found.touch.map(|touch| row.begins + touch);
-        /// its verdict
-        verdict: String = row.word();
-        /// speed of the car at the touch
-        impact_speed_mps: f64 ["m/s"] = row.told().map(|verdict| verdict.impact_speed);
-        /// least time to collision
-        min_ttc_s: f64 ["s"] = row.found.near_miss.min_ttc;
-        /// post-encroachment time
-        pet_s: f64 ["s"] = row.found.near_miss.pet;
-        /// least distance
-        least_gap_m: f64 ["m"] = row.found.least_gap;
-    });
+    let table: Table<'_, JudgedMeeting> =
+        Table::new("encounters", "One row for each encounter.").columns(entries! { row: &JudgedMeeting;
+            /// the car
+            car: String = row.car.clone();
+            /// the pedestrian
+            pedestrian: String = row.pedestrian.clone();
+            /// time of the touch in the recording, empty without one
+            touch_s: f64 ["s"] = row.touch();
+            /// its verdict
+            verdict: String = row.word();
+            /// speed of the car at the touch
+            impact_speed_mps: f64 ["m/s"] = row.told().map(|verdict| verdict.impact_speed);
+            /// least time to collision
+            min_ttc_s: f64 ["s"] = row.found.near_miss.min_ttc;
+            /// post-encroachment time
+            pet_s: f64 ["s"] = row.found.near_miss.pet;
+            /// least distance
+            least_gap_m: f64 ["m"] = row.found.least_gap;
+        });
     table.frame(all)
 }
 

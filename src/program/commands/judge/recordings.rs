@@ -46,7 +46,9 @@ impl Recordings {
         }
         let bytes = base::files::bytes(file).map_err(|error| reason(&error))?;
         let scene = export::read_trace(&bytes).map_err(|error| error.to_string())?;
-        if let Some(name) = car.filter(|name| !scene.actors.iter().any(|actor| !actor.is_pedestrian && actor.name == **name)) {
+        if let Some(name) =
+            car.filter(|name| !scene.actors.iter().any(|actor| !actor.is_pedestrian && actor.name == **name))
+        {
             let known = scene.actors.iter().filter(|actor| !actor.is_pedestrian).take(20).map(|actor| &*actor.name);
             return Err(format!("there is no car `{name}`; there is {}", known.collect::<Vec<_>>().join(", ")));
         }

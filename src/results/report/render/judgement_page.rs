@@ -16,7 +16,8 @@ const MOST: usize = 30;
 /// Width and height of the speeds, and the room for their numbers (px).
 const SIZE: (f64, f64) = (720.0, 200.0);
 const EDGE: (f64, f64) = (36.0, 24.0);
-/// Time after the touch that they show (s).
+/// Time before and after the touch that they show (s).
+const BEFORE: f64 = 6.0;
 const AFTER: f64 = 3.0;
 
 /// The page about the encounters of the file with this name.
@@ -26,6 +27,7 @@ pub fn judgement_page(name: &str, all: &[JudgedMeeting]) -> String {
             p.kind { "falsify · judge" }
             h1 { (name) }
             p.lead { (all.len()) " encounters of a car and a pedestrian, the worst first. Would a careful driver have avoided the touch?" }
+            button #theme type="button" hidden { "Dark" }
             @if all.len() > MOST { p.warn { "Players of the first " (MOST) "; JSON and CSV have all." } }
         }
         main #main {
@@ -52,8 +54,8 @@ fn encounter(place: usize, each: &JudgedMeeting) -> Markup {
         section {
             (card.to_html(&replay, None))
             @for finding in &each.found.findings { p.warn { (finding.to_string()) } }
-            @if let Some(answers) = each.answers() {
-                (speeds(each, answers.touch))
+            @if let (Some(answers), Some(touch)) = (each.answers(), each.found.touch) {
+                (speeds(each, touch))
                 p { b { (answers.count()) "." } }
                 div.wide { (answers.table().to_html()) }
             }
@@ -88,14 +90,15 @@ fn speeds(each: &JudgedMeeting, touch: f64) -> Markup {
         pair.frames().enumerate().map(|(place, frame)| (place as f64 * tick, frame.ego.speed)).collect();
     let shown = |answer: &&Answer| GHOSTS.iter().any(|(name, _)| *name == answer.driver.name);
     let drawn: Vec<&Answer> = each.answers.iter().filter(shown).collect();
-    let from = drawn.iter().map(|answer| touch - answer.begins).fold(touch - 4.0, f64::min).max(0.0);
+    let from = (touch - BEFORE).max(0.0);
     let most = recorded.iter().map(|(_, speed)| *speed).fold(1.0, f64::max) * 1.1;
     let x = |time: f64| EDGE.0 + (time - from) / (touch + AFTER - from) * (SIZE.0 - EDGE.0 - 8.0);
     let y = |speed: f64| SIZE.1 - EDGE.1 - speed / most * (SIZE.1 - EDGE.1 - 8.0);
     let is_shown = |time: f64| (from..=touch + AFTER).contains(&time);
     let line = |points: &[(f64, f64)]| {
         let within = points.iter().filter(|(time, _)| is_shown(*time));
-        let places: Vec<String> = within.map(|(time, speed)| format!("{},{}", fine(x(*time)), fine(y(*speed)))).collect();
+        let places: Vec<String> =
+            within.map(|(time, speed)| format!("{},{}", fine(x(*time)), fine(y(*speed)))).collect();
         places.join(" ")
     };
     let way = |answer: &Answer| -> Vec<(f64, f64)> {
@@ -103,7 +106,10 @@ fn speeds(each: &JudgedMeeting, touch: f64) -> Markup {
         answer.poses.iter().enumerate().map(|(place, (_, speed))| (start + place as f64 * tick, *speed)).collect()
     };
     let at = |points: &[(f64, f64)], time: f64| {
-        points.iter().min_by(|one, other| (one.0 - time).abs().total_cmp(&(other.0 - time).abs())).map_or(0.0, |point| point.1)
+        points
+            .iter()
+            .min_by(|one, other| (one.0 - time).abs().total_cmp(&(other.0 - time).abs()))
+            .map_or(0.0, |point| point.1)
     };
     html! {
         figure {
@@ -111,7 +117,7 @@ fn speeds(each: &JudgedMeeting, touch: f64) -> Markup {
                 @for part in 0..=4 {
                     @let (speed, time) = (most * f64::from(part) / 4.0, from + (touch + AFTER - from) * f64::from(part) / 4.0);
                     text.muted x="0" y=(px(y(speed) + 4.0)) font-size="11" { (format!("{speed:.1}")) }
-                    text.muted x=(px(x(time) - 10.0)) y=(px(SIZE.1 - 6.0)) font-size="11" { (format!("{time:.1} s")) }
+                    text.muted x=(px((x(time) - 10.0).min(SIZE.0 - 36.0))) y=(px(SIZE.1 - 6.0)) font-size="11" { (format!("{time:.1} s")) }
                 }
                 path d={ "M" (px(x(touch))) " 8V" (px(y(0.0))) } stroke="#c0392b" stroke-dasharray="4 3" {}
                 polyline points=(line(&recorded)) fill="none" stroke="currentColor" stroke-width="2" {}

@@ -34,8 +34,8 @@ mod rss;
 mod cut_in_brake;
 mod alks_human;
 
-pub use brake_profile::BrakeProfile;
 pub use alks_human::AlksHuman;
+pub use brake_profile::BrakeProfile;
 pub use cut_in_brake::{CutIn, CutInBrake};
 pub use delayed_brake::{DelayedBrake, Gate};
 pub use fuzzy_safety::FuzzySafety;

@@ -199,7 +199,9 @@ impl Replay {
             person: frames.iter().map(|m| state(origin, &m.pedestrian.pose, m.pedestrian.speed())).collect(),
             others: Vec::new(),
             modes: vec![(0, "recorded")],
-            brake: std::iter::once(0).chain(frames.windows(2).map(|pair| whole(lost(pair).clamp(0.0, 1.0), 0.01))).collect(),
+            brake: std::iter::once(0)
+                .chain(frames.windows(2).map(|pair| whole(lost(pair).clamp(0.0, 1.0), 0.01)))
+                .collect(),
             throttle: vec![0; frames.len()],
             sight: changes.filter(|(_, (before, now))| before != now).map(|(tick, _)| tick).collect(),
             danger: verdict.map(|verdict| (frames.len() - 1).saturating_sub(ticks(verdict.warning))),
