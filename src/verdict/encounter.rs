@@ -226,6 +226,18 @@ impl<'a> Encounter<'a> {
         Self { path, start, speeds, steps, warning, dt, half, radius, brake, walker, step_count, ways }
     }
 
+    /// Its last part, up to this time (s) before the touch.
+    pub(super) fn last(&self, time: f64) -> Self {
+        let mut last = self.clone();
+        let skipped = ((self.warning - time) / self.dt).max(0.0) as usize;
+        last.speeds.drain(..skipped);
+        last.steps.drain(..skipped);
+        last.ways.drain(..skipped);
+        (last.start, last.step_count) = (last.ways[0], self.step_count - skipped);
+        last.warning -= skipped as f64 * self.dt;
+        last
+    }
+
     /// The same with the pedestrian moved by this (m).
     pub(super) fn moved(&self, by: Vector) -> Self {
         let mut moved = self.clone();

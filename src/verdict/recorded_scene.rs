@@ -84,8 +84,9 @@ impl RecordedScene {
     /// The cars that are judged: the one that recorded, or all that move. `named` takes the place of that choice.
     fn cars<'a>(&'a self, named: Option<&'a str>) -> impl Iterator<Item = &'a RecordedActor> {
         let wanted = named.or(self.host.as_deref());
-        let is_judged = move |actor: &&RecordedActor| wanted.is_none_or(|name| name == actor.name);
-        self.actors.iter().filter(|actor| !actor.is_pedestrian && !actor.is_parked()).filter(is_judged)
+        let is_judged =
+            move |actor: &&RecordedActor| wanted.map_or_else(|| !actor.is_parked(), |name| name == actor.name);
+        self.actors.iter().filter(|actor| !actor.is_pedestrian).filter(is_judged)
     }
 
     /// The pairs of a car and a pedestrian that come nearer than `near` (m), each around its first touch or its least distance.
@@ -95,7 +96,8 @@ impl RecordedScene {
     pub fn meetings(&self, near: f64, car: Option<&str>) -> Vec<(String, String, Result<Meeting, RecordingError>)> {
         let mut found = Vec::new();
         for car in self.cars(car) {
-            let parked = self.actors.iter().filter(|actor| actor.is_parked()).map(|actor| actor.outline(actor.first));
+            let is_parked = |actor: &&RecordedActor| actor.is_parked() && actor.name != car.name;
+            let parked = self.actors.iter().filter(is_parked).map(|actor| actor.outline(actor.first));
             let obstacles: Vec<OrientedBox> = self.obstacles.iter().copied().chain(parked).collect();
             let obstacles = Arc::new(Obstacles::new(&obstacles));
             for pedestrian in self.actors.iter().filter(|actor| actor.is_pedestrian) {

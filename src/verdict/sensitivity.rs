@@ -32,12 +32,15 @@ impl Sensitivity {
     pub const MARGIN: (f64, f64) = (0.0, 0.2);
     /// Offset of the pedestrian (m), at least.
     pub const OFFSET: f64 = 0.1;
+    /// Time before the touch (s) that is varied: the gate opens later at any speed up to 40 m/s.
+    const LASTS: f64 = 8.0;
     /// The offsets within the noise that are tried, and the share of them that may differ.
     const OFFSETS: u32 = 40;
     const MAX_DIFFERENT: u32 = 2;
 
     /// Varies an encounter; `noise` is the standard deviation of the recorded positions (m) after they were smoothed.
     pub(super) fn new(encounter: &Encounter<'_>, noise: f64, is_preventable: bool) -> Self {
+        let encounter = &encounter.last(Self::LASTS);
         let mut stream = Seed::root(0).child("judge").child("variations").stream();
         let (mut variations, mut avoided) = (0, 0);
         for _ in 0..Self::DRAWN {

@@ -411,3 +411,41 @@ fn traces_of_the_reference_folder_are_judged() {
     }
     assert!(found.len() > 1 && found.windows(2).all(|pair| pair[0] == pair[1]), "{found:?}");
 }
+
+/// An episode of ours that is exported has the verdict of the report.
+#[test]
+fn an_exported_episode_has_its_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = r#"edition 1
+import "std/pedestrians.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+import "std/paper.scn"
+campaign rt {
+  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour]  drivers: [blind, behavior]  pedestrians: [intercept]  episodes: 12 }
+}
+"#;
+    std::fs::write(folder.path().join("rt.scn"), scenario).unwrap();
+    let output = falsify(&["run", "rt.scn"], folder.path());
+    assert!(output.status.success(), "{}", error(&output));
+    let names = said(&falsify(&["failures", "--names"], folder.path()));
+    let mut asked = 0;
+    for (place, name) in names.lines().enumerate() {
+        let json = |output: std::process::Output| -> serde_json::Value {
+            assert!(output.status.success(), "{name}: {}", error(&output));
+            serde_json::from_slice(&output.stdout).unwrap()
+        };
+        let replayed = json(falsify(&["replay", name, "--json"], folder.path()));
+        let out = folder.path().join(place.to_string());
+        let output = falsify(&["export", name, "--as", "osi", "--out", out.to_str().unwrap()], folder.path());
+        assert!(output.status.success(), "{name}: {}", error(&output));
+        let files = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path());
+        let trace = files.into_iter().find(|path| path.extension().is_some_and(|end| end == "mcap")).unwrap();
+        let found = json(falsify(&["judge", trace.to_str().unwrap(), "--json"], folder.path()));
+        let encounter = &found["encounters"][0];
+        assert!(encounter["verdict"] == replayed["verdict"], "{name}: {encounter}, {replayed}");
+        asked += 1;
+    }
+    assert!(asked > 3, "{names}");
+}

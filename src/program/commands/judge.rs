@@ -96,7 +96,7 @@ pub fn judge(options: &JudgeArgs) -> Ended {
     let gates = gates.collect::<Result<Vec<Gate>, _>>().map_err(|error| misused(format!("--fail-if: {error}")))?;
     let sizes =
         Sizes { length: options.length, width: options.width, radius: options.radius, full_brake: options.full_brake };
-    let recordings = Recordings::read(options, &units(options));
+    let recordings = Recordings::read(&options.file, options.near, options.car.as_deref(), &units(options));
     let judged = recordings.and_then(|recordings| recordings.judged(sizes));
     let mut all = judged.map_err(|reason: String| {
         failed(Error::Usage(format!("cannot judge `{}`: {}", options.file.display(), with_option(&reason))))

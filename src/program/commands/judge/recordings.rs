@@ -1,6 +1,5 @@
 use std::path::Path;
 
-use super::JudgeArgs;
 use crate::session::{Input, Session};
 use episode::Scenario;
 use lang::reason;
@@ -33,8 +32,7 @@ impl Recordings {
     ///
     /// # Errors
     /// Why it cannot be judged.
-    pub fn read(options: &JudgeArgs, units: &Units) -> Result<Self, String> {
-        let (file, near, car) = (&options.file, options.near, options.car.as_deref());
+    pub fn read(file: &Path, near: f64, car: Option<&str>, units: &Units) -> Result<Self, String> {
         let ends = |end: &str| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(end));
         if !ends("mcap") && !ends("osi") {
             let text = base::files::text(file).map_err(|error| reason(&error))?;
