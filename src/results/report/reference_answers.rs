@@ -27,7 +27,7 @@ impl ReferenceAnswers<'_> {
 
     /// A row for each driver; times count from the first instant.
     pub(crate) fn table(&self) -> Table {
-        let at = |before: Option<f64>| Value::number(before.map(|before| self.touch - before), 2);
+        let at = |before: Option<f64>| Value::number(before.map(|before| (self.touch - before).max(0.0)), 2);
         Selection::new()
             .column(Column::text("driver"), |answer: &Answer| Value::code(answer.driver.name))
             .text("source", |answer| Value::text(answer.driver.source))
@@ -46,7 +46,7 @@ impl ReferenceAnswers<'_> {
 
     /// An object for each driver; what does not apply is null.
     pub fn to_json(&self) -> Vec<serde_json::Value> {
-        let at = |before: Option<f64>| before.map(|before| self.touch - before);
+        let at = |before: Option<f64>| before.map(|before| (self.touch - before).max(0.0));
         let object = |answer: &Answer| {
             json!({
                 "driver": answer.driver.name,
