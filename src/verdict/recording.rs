@@ -38,6 +38,9 @@ const TICK: f64 = 0.05;
 const RESOLUTION: f64 = 0.01;
 const MAX_PLACES: usize = 500_000;
 
+/// An actor, its poses and speeds (m/s), and whose they are.
+type Track = (&'static str, Vec<(Pose, f64)>, TrackOf);
+
 /// Sizes in the place of those of a scenario (m).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sizes {
@@ -284,7 +287,7 @@ impl Recording {
     }
 
     /// The poses and speeds of both (m/s); those of a pedestrian of whom there are only positions are its usual ones.
-    fn tracks(&self) -> [(&'static str, Vec<(Pose, f64)>, TrackOf); 2] {
+    fn tracks(&self) -> [Track; 2] {
         let cars = self.ego.iter().map(|state| (state.pose, state.speed)).collect();
         let mut walkers: Vec<_> = self.pedestrian.iter().map(|state| (state.pose, state.speed())).collect();
         if self.is_walked {

@@ -51,10 +51,10 @@ const LOW: f64 = 1.2;
 pub fn read(bytes: &[u8]) -> Result<RecordedScene, TraceError> {
     let mut reader = Reader::default();
     if bytes.starts_with(b"\x89MCAP") {
-        reader.read_mcap(bytes)?
+        reader.read_mcap(bytes)?;
     } else {
-        reader.read_lengths(bytes)?
-    };
+        reader.read_lengths(bytes)?;
+    }
     reader.scene()
 }
 
