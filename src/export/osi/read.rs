@@ -142,7 +142,7 @@ impl Reader {
         let id = value(object.id.as_ref());
         let missing = |what| TraceError::Missing { number: instant + 1, object: id, what };
         let base = object.base.as_ref().ok_or_else(|| missing("base"))?;
-        let (pose, size, _) = placed(base).ok_or_else(|| missing("position"))?;
+        let (pose, size, _) = placed(base).ok_or_else(|| missing("position, heading and size in numbers"))?;
         let velocity = base.velocity.as_ref().and_then(|velocity| Some(Vector::new(velocity.x?, velocity.y?)));
         let parts = self.tracks.entry(id).or_default();
         // Who was away for a time is another actor with the same name.
@@ -200,5 +200,6 @@ fn placed(base: &Base) -> Option<(Pose, (f64, f64), f64)> {
         (base.dimension.clone().unwrap_or_default(), base.orientation.as_ref().and_then(|turned| turned.z));
     let length = |of: Option<f64>| of.unwrap_or(0.0);
     let pose = Pose::new(position.x?, position.y?, turned.unwrap_or(0.0));
-    Some((pose, (length(size.x), length(size.y)), length(size.z)))
+    let numbers = [pose.x, pose.y, pose.yaw, length(size.x), length(size.y), length(size.z)];
+    numbers.iter().all(|number| number.is_finite()).then_some((pose, (length(size.x), length(size.y)), length(size.z)))
 }

@@ -50,7 +50,7 @@ pub struct JudgeArgs {
     #[arg(long, value_name = "ID")]
     pub car: Option<String>,
     /// Pedestrians that come nearer to a car than this are encounters (m).
-    #[arg(long, value_name = "METRES", default_value_t = 2.0)]
+    #[arg(long, value_name = "METRES", default_value_t = 2.0, value_parser = near)]
     pub near: f64,
     /// The unit of `time_s`: s, ms, us or ns.
     #[arg(long, value_name = "UNIT", default_value = "s", value_parser = ["s", "ms", "us", "ns"])]
@@ -123,6 +123,11 @@ pub fn judge(options: &JudgeArgs) -> Ended {
         passes &= !judged.iter().any(report::Judged::fails);
     }
     Ok(ExitCode::of_gate(passes))
+}
+
+fn near(text: &str) -> Result<f64, String> {
+    let near = text.parse().ok().filter(|near| (0.01..=100.0).contains(near));
+    near.ok_or_else(|| "give 0.01 to 100".to_owned())
 }
 
 fn units(options: &JudgeArgs) -> Units {
