@@ -58,7 +58,7 @@ pub fn judged<'py>(
 
 /// Names are those of the table of episodes; a number that does not apply is not a number. An episode of ours begins where its danger begins.
 fn dictionary<'py>(py: Python<'py>, found: &Encountered, is_ours: bool) -> PyResult<Bound<'py, PyDict>> {
-    let is_told = is_ours || found.begins_late.is_none();
+    let is_told = found.undecided.is_none() && (is_ours || found.begins_late.is_none());
     let verdict = found.verdict.as_ref().filter(|_| is_told);
     let dict = PyDict::new(py);
     dict.set_item("touch_s", found.touch.unwrap_or(f64::NAN))?;
@@ -70,7 +70,8 @@ fn dictionary<'py>(py: Python<'py>, found: &Encountered, is_ours: bool) -> PyRes
     dict.set_item("begins_late_s", found.begins_late.unwrap_or(f64::NAN))?;
     dict.set_item("counts_as", verdict.map_or("", |verdict| verdict.class().name()))?;
     dict.set_item("side", verdict.map_or("", |verdict| verdict.side.name()))?;
-    dict.set_item("ignored_instants", &found.ignored)?;
+    let findings: Vec<String> = found.findings.iter().map(ToString::to_string).collect();
+    dict.set_item("findings", findings)?;
     let avoided = PyDict::new(py);
     if let Some(verdict) = verdict {
         for reference in Reference::ALL {

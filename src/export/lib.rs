@@ -27,6 +27,7 @@ pub use episode::Episode;
 pub use error::ExportError;
 pub use format::{EgoDriver, ExportFile, Exporter, Variant, Walking};
 pub use opendrive::town;
+pub use osi::{TraceError, read as read_trace};
 
 /// All formats.
 pub const EXPORTERS: [&Exporter; 8] = [

@@ -18,6 +18,8 @@ const EVERY: f64 = 0.2;
 /// farthest, is 27 m at 8 m/s, and a pedestrian of 3.5 m/s adds 7 m.
 const NEAR: f64 = 15.0;
 const FORESEEN: f64 = 3.0;
+/// Time before a touch (s) from which drivers look for dangers of their own.
+const IN_SIGHT: f64 = 10.0;
 /// Time (s) over which a driver knows its own intention.
 const FORESIGHT: f64 = 2.0;
 
@@ -109,9 +111,19 @@ impl<'a> Encounter<'a> {
     ///
     /// A car that has stood for half a second has done what a careful human does. To drive off is a new decision, and from there on the question is asked anew.
     pub fn new(pair: &Pair<'a>) -> Option<Self> {
+        Self::beginning(pair, 0.0)
+    }
+
+    /// The same for drivers who have other dangers than ours: it begins up to ten seconds before the touch, as long as the pedestrian is in sight without a
+    /// break.
+    pub(super) fn in_sight(pair: &Pair<'a>) -> Option<Self> {
+        Self::beginning(pair, IN_SIGHT)
+    }
+
+    fn beginning(pair: &Pair<'a>, before: f64) -> Option<Self> {
         let contact = pair.contact?;
         let last = pair.len() - 2;
-        let mut encounter = Self::ending_at(pair, last);
+        let mut encounter = Self::ending_at(pair, last, before);
         encounter.warning += contact.fraction * encounter.dt;
         Some(encounter)
     }
@@ -120,15 +132,19 @@ impl<'a> Encounter<'a> {
     /// tick before that sample.
     pub(super) fn before(pair: &Pair<'a>, sample: usize) -> (usize, Self) {
         let last = sample.min(pair.len() - 1).saturating_sub(1);
-        let encounter = Self::ending_at(pair, last);
+        let encounter = Self::ending_at(pair, last, 0.0);
         (last - (encounter.warning / encounter.dt).round() as usize, encounter)
     }
 
-    /// The encounter whose danger was under way at this tick. Its warning is the time up to then.
-    fn ending_at(pair: &Pair<'a>, last: usize) -> Self {
+    /// The encounter whose danger was under way at this tick. Its warning is the time up to then. It begins with the danger, or earlier if the pedestrian is in sight
+    /// `before` (s) that tick.
+    fn ending_at(pair: &Pair<'a>, last: usize, before: f64) -> Self {
         let ways = ways(pair);
         let path = DrivenPath::new(pair.frames().map(|frame| frame.ego.pose));
         let danger = Approach { path: &path, pair, ways: &ways }.begins(last);
+        let earliest = last.saturating_sub((before / pair.dt()).round() as usize);
+        let is_seen = |tick: &usize| pair.in_sight(&pair.frame(*tick));
+        let danger = (earliest..danger).rev().take_while(is_seen).last().unwrap_or(danger);
         let begun = (danger..=last).rev().find(|tick| has_stood(pair, *tick)).unwrap_or(danger);
         let mut encounter = Self::between(pair, path, &ways, begun..pair.len());
         encounter.warning = (last - begun) as f64 * encounter.dt;
@@ -208,6 +224,32 @@ impl<'a> Encounter<'a> {
         let brake = f64::INFINITY;
         let (start, walker) = (ways[0], None);
         Self { path, start, speeds, steps, warning, dt, half, radius, brake, walker, step_count, ways }
+    }
+
+    /// Its last part, up to this time (s) before the touch.
+    pub(super) fn last(&self, time: f64) -> Self {
+        let mut last = self.clone();
+        let skipped = ((self.warning - time) / self.dt).max(0.0) as usize;
+        last.speeds.drain(..skipped);
+        last.steps.drain(..skipped);
+        last.ways.drain(..skipped);
+        (last.start, last.step_count) = (last.ways[0], self.step_count - skipped);
+        last.warning -= skipped as f64 * self.dt;
+        last
+    }
+
+    /// The same with the pedestrian moved by this (m).
+    pub(super) fn moved(&self, by: Vector) -> Self {
+        let mut moved = self.clone();
+        for step in &mut moved.steps {
+            step.position += by;
+            step.place.along += by.dot(&step.place.direction);
+            step.place.aside += step.place.direction.perp(&by);
+        }
+        if let Some(walker) = &mut moved.walker {
+            (walker.state.pose.x, walker.state.pose.y) = (walker.state.pose.x + by.x, walker.state.pose.y + by.y);
+        }
+        moved
     }
 
     /// Whether there is a pedestrian at this tick, for at most five seconds after the recorded touch.

@@ -5,7 +5,8 @@ use super::reaction::{MAX_REACTION, share_of_drivers};
 use super::reference::Model;
 use super::trial::{FreeRun, Notice};
 use super::{
-    Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, RestsOn, Sight, Trial, Verdict, contact_side,
+    Answer, Class, ContactSide, Encounter, Label, PedestrianMotion, Published, Reference, RestsOn, Sight, Trial,
+    Verdict, contact_side,
 };
 use episode::Pair;
 use world::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion};
@@ -233,6 +234,15 @@ impl<'a> Inquiry<'a> {
     /// The side of the touch, and whether the pedestrian walked into the car.
     fn touched(&self, motion: &PedestrianMotion) -> (ContactSide, bool) {
         contact_side::touched(&self.pair, motion).expect("checked: they touched")
+    }
+
+    /// What each published driver does from when it can see the pedestrian, and each of ours from the start of the danger.
+    pub fn answers(&mut self) -> Vec<Answer> {
+        let Some(mut earlier) = Encounter::in_sight(&self.pair) else { return Vec::new() };
+        let mut answer = |driver: &'static Published| {
+            driver.answer(if driver.is_published { &mut earlier } else { &mut self.encounter })
+        };
+        Published::ALL.iter().map(&mut answer).collect()
     }
 
     pub fn verdict(mut self) -> Verdict {

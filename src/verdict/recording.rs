@@ -1,12 +1,13 @@
 use std::sync::Arc;
 
-use super::recording_noise::{
-    HALF_SECOND, OF_PAIR, clean_car, clean_pedestrian, median_noise, noise, taken_apart, usual_speeds, walked,
+use super::recording_findings::{
+    Damage, Finding, contradiction, held, spikes_of_car, spikes_of_pedestrian, spikes_of_positions,
 };
-use super::recording_parts::{Contradiction, contradiction};
-use super::recording_spikes::{remove_position_spikes, remove_spikes, remove_velocity_spikes};
+use super::recording_noise::{
+    HALF_SECOND, OF_PAIR, clean_car, clean_pedestrian, median_noise, noise, usual_speeds, walked,
+};
 use super::recording_units::{Misfit, TrackOf, fits, misfit};
-use super::{Inquiry, NearMiss, Verdict, ViolationVerdict};
+use super::{Answer, Inquiry, NearMiss, Sensitivity, Verdict, ViolationVerdict};
 use episode::requirement::{Degree, NamedRequirement};
 use episode::{Driven, OtherDrive, Pair, Scenario, Trace, VehicleFrame, is_about_map};
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
@@ -23,10 +24,8 @@ pub struct Recording {
     pedestrian: Vec<PedestrianState>,
     /// Whether the velocities of the pedestrian are those of its positions.
     is_walked: bool,
-    /// The instants whose speed, heading or position those before and after contradict.
-    spikes: Vec<usize>,
-    /// The lines of the instants in their file; empty without one.
-    pub(super) lines: Vec<usize>,
+    /// What is wrong in it.
+    findings: Vec<Finding>,
 }
 
 /// Time (s) before the touch in which the direction of the car's motion is looked for.
@@ -38,6 +37,9 @@ const TICK: f64 = 0.05;
 /// Time (s) between two places of a pair that did not touch, and the most places.
 const RESOLUTION: f64 = 0.01;
 const MAX_PLACES: usize = 500_000;
+
+/// An actor, its poses and speeds (m/s), and whose they are.
+type Track = (&'static str, Vec<(Pose, f64)>, TrackOf);
 
 /// Sizes in the place of those of a scenario (m).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -53,6 +55,17 @@ pub struct Sizes {
 }
 
 impl Sizes {
+    /// These sizes, and others where there is none.
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self {
+            length: self.length.or(others.length),
+            width: self.width.or(others.width),
+            radius: self.radius.or(others.radius),
+            full_brake: self.full_brake.or(others.full_brake),
+        }
+    }
+
     /// Gives the first car and the first pedestrian of a scenario these sizes.
     ///
     /// # Errors
@@ -107,15 +120,6 @@ pub enum RecordingError {
 pub enum InstantFault {
     #[error("the {quantity} is {number}; give {low} to {high}")]
     Number { quantity: &'static str, number: f64, low: f64, high: f64 },
-    #[error(
-        "the {who} has moved {moved:.1} m since the instant before, at {speed:.1} m/s; correct the position or the speed"
-    )]
-    Jump { who: &'static str, moved: f64, speed: f64 },
-    #[error(
-        "in {lasts:.2} s from here on the {who} moves at {} by its positions, and at {} by its speed and heading; correct {}",
-        velocity(*.moved), velocity(*.told), if *.who == "car" { "what is wrong" } else { "what is wrong, or leave out speed and heading: they then come from the positions" }
-    )]
-    Contradiction { who: &'static str, lasts: f64, moved: Vector, told: Vector },
 }
 
 /// What a time between two instants (s) that is too long looks like.
@@ -133,16 +137,8 @@ fn times(ratio: f64) -> String {
     if ratio.is_finite() { format!("{ratio:.2} times as far as") } else { "farther than".into() }
 }
 
-/// A speed and its direction.
-fn velocity(velocity: Vector) -> String {
-    match velocity.norm() {
-        speed if speed < 0.05 => "0 m/s".to_owned(),
-        speed => format!("{speed:.1} m/s towards {:.0} deg", libm::atan2(velocity.y, velocity.x).to_degrees()),
-    }
-}
-
 /// What a recording shows.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Encountered {
     /// The time of the first touch from the first instant (s); `None` without one.
     pub touch: Option<f64>,
@@ -157,10 +153,43 @@ pub struct Encountered {
     /// How much earlier the recording must begin for a verdict that holds (s): the danger was under way at its start, and a careful human who saw it there
     /// does not avoid the touch. `None` if nothing is missing.
     pub begins_late: Option<f64>,
-    /// The instants at which a speed, a heading or a position was ignored, since those before and after contradict it.
-    pub ignored: Vec<usize>,
+    /// What is wrong in the recording.
+    pub findings: Vec<Finding>,
+    /// The finding that lies where the verdict is decided, so that nobody can tell.
+    pub undecided: Option<Finding>,
     /// The requirements of the scenario.
     pub requirements: Vec<RecordedRequirement>,
+    /// The time between two recorded instants (s).
+    pub step: f64,
+    /// What was judged: the tracks up to the first touch, and the scenario with the sizes, the tick and the obstacles.
+    pub trace: Trace,
+    pub scenario: Scenario,
+}
+
+impl Encountered {
+    /// How much the verdict rests on what nobody knows exactly; `None` without a touch.
+    pub fn sensitivity(&self) -> Option<Sensitivity> {
+        let pair = self.trace.pair(&self.scenario, 0, 0);
+        let noises = self.findings.iter().filter_map(|finding| match finding.what {
+            Damage::Noise(noise) => Some(noise),
+            _ => None,
+        });
+        // A mean over half a second.
+        let noise = noises.fold(0.0, f64::max) * (self.step / HALF_SECOND).min(1.0).sqrt();
+        let is_preventable = self.verdict.as_ref()?.is_preventable();
+        Inquiry::new(&pair).map(|inquiry| Sensitivity::new(inquiry.encounter(), noise, is_preventable))
+    }
+
+    /// What each published driver does, and each of ours; empty without a touch.
+    pub fn answers(&self) -> Vec<Answer> {
+        let pair = self.trace.pair(&self.scenario, 0, 0);
+        Inquiry::new(&pair).as_mut().map_or_else(Vec::new, Inquiry::answers)
+    }
+
+    /// The verdict; `None` without a touch, and where nobody can tell.
+    pub fn told(&self) -> Option<&Verdict> {
+        self.verdict.as_ref().filter(|_| self.begins_late.is_none() && self.undecided.is_none())
+    }
 }
 
 /// A requirement in a recording.
@@ -187,7 +216,10 @@ impl Recording {
     const OF_WAY: (f64, f64) = (1.5, 0.3);
     const BESIDES: f64 = 0.5;
     const OF_NOISE: f64 = 6.0;
-    /// The same length of a pedestrian in a short step, once spikes are removed: a length (m), and what a speed (m/s) explains.
+    /// A noise of positions above this is told (m), and what happens at most this long before the danger decides the verdict (s).
+    const TOLD_NOISE: f64 = 0.005;
+    const BEFORE_DANGER: f64 = 1.5;
+    /// The same length of a pedestrian in a short step: a length (m), and what a speed (m/s) explains.
     const BESIDES_OF_PEDESTRIAN: (f64, f64) = (0.1, 4.0);
 
     /// Checks the states of both at instants that are `dt` (s) apart. A car that reverses has a negative speed.
@@ -198,7 +230,7 @@ impl Recording {
     /// are longer or shorter than the speed explains, or are not along the heading. Or a part of a tenth of a second to two seconds is so by more
     /// than noise, braking or a late speed explain.
     pub fn new(dt: f64, ego: Vec<VehicleState>, pedestrian: Vec<PedestrianState>) -> Result<Self, RecordingError> {
-        Self::checked(Self { dt, ego, pedestrian, is_walked: false, spikes: Vec::new(), lines: Vec::new() })
+        Self::checked(Self { dt, ego, pedestrian, is_walked: false, findings: Vec::new() })
     }
 
     /// The same of a pedestrian of which there are only positions. Its velocity is taken from them, over the longer a time the noisier they are.
@@ -207,26 +239,34 @@ impl Recording {
     /// Those of [`Recording::new`].
     pub fn of_positions(dt: f64, ego: Vec<VehicleState>, positions: &[Point]) -> Result<Self, RecordingError> {
         let coordinates: Vec<Vector> = positions.iter().map(|position| position.coords).collect();
-        let coordinates = taken_apart(&coordinates, dt);
         let mut pedestrian = walked(&coordinates, dt);
         for (state, place) in pedestrian.iter_mut().zip(coordinates) {
             (state.pose.x, state.pose.y) = (place.x, place.y);
         }
-        Self::checked(Self { dt, ego, pedestrian, is_walked: true, spikes: Vec::new(), lines: Vec::new() })
+        Self::checked(Self { dt, ego, pedestrian, is_walked: true, findings: Vec::new() })
     }
 
     fn checked(mut self) -> Result<Self, RecordingError> {
-        let Self { dt, ego, pedestrian, .. } = &mut self;
-        let dt = *dt;
-        if ego.len() != pedestrian.len() || !(2..=Self::MAX_INSTANTS).contains(&ego.len()) {
-            return Err(RecordingError::Instants { ego: ego.len(), pedestrian: pedestrian.len() });
+        if self.ego.len() != self.pedestrian.len() || !(2..=Self::MAX_INSTANTS).contains(&self.ego.len()) {
+            return Err(RecordingError::Instants { ego: self.ego.len(), pedestrian: self.pedestrian.len() });
         }
-        if !(0.001..=0.5).contains(&dt) {
-            return Err(RecordingError::Step { step: dt });
+        if !(0.001..=0.5).contains(&self.dt) {
+            return Err(RecordingError::Step { step: self.dt });
         }
+        self.check_numbers()?;
+        self.findings = self.damages()?;
+        // Wrapped only now: degrees that were wrapped as radians are no longer recognised.
+        let poses = self.ego.iter_mut().map(|state| &mut state.pose);
+        for pose in poses.chain(self.pedestrian.iter_mut().map(|state| &mut state.pose)) {
+            pose.yaw = wrap_angle(pose.yaw);
+        }
+        Ok(self)
+    }
+
+    fn check_numbers(&self) -> Result<(), RecordingError> {
         let far = (-Self::MAX_COORDINATE, Self::MAX_COORDINATE);
         let turned = (-Self::MAX_HEADING, Self::MAX_HEADING);
-        for (instant, (car, walker)) in ego.iter().zip(&*pedestrian).enumerate() {
+        for (instant, (car, walker)) in self.ego.iter().zip(&self.pedestrian).enumerate() {
             for (quantity, number, (low, high)) in [
                 ("x of the car (m)", car.pose.x, far),
                 ("y of the car (m)", car.pose.y, far),
@@ -243,42 +283,37 @@ impl Recording {
                 }
             }
         }
-        self.spikes = remove_spikes(&mut self.ego, dt);
-        if !self.is_walked {
-            self.spikes.extend(remove_velocity_spikes(&mut self.pedestrian, dt));
-        }
-        let cars: Vec<_> = self.ego.iter().map(|state| (state.pose, state.speed)).collect();
+        Ok(())
+    }
+
+    /// The poses and speeds of both (m/s); those of a pedestrian of whom there are only positions are its usual ones.
+    fn tracks(&self) -> [Track; 2] {
+        let cars = self.ego.iter().map(|state| (state.pose, state.speed)).collect();
         let mut walkers: Vec<_> = self.pedestrian.iter().map(|state| (state.pose, state.speed())).collect();
         if self.is_walked {
             let positions: Vec<Vector> = walkers.iter().map(|(pose, _)| pose.position().coords).collect();
-            walkers.iter_mut().zip(usual_speeds(&positions, dt)).for_each(|(state, speed)| state.1 = speed);
+            walkers.iter_mut().zip(usual_speeds(&positions, self.dt)).for_each(|(state, speed)| state.1 = speed);
         }
-        let tracks = [("car", cars, TrackOf::Car), ("pedestrian", walkers, TrackOf::Pedestrian)];
-        let jumps = |of_way: f64, most: usize, length: fn(&Vector, &Pose) -> f64| {
-            let first = |(who, track, _): &(&'static str, Vec<_>, _)| {
-                Some((*who, Self::jump(track, dt, (of_way, Self::BESIDES), most, length)?))
-            };
-            match tracks.iter().filter_map(first).min_by_key(|(_, (instant, ..))| *instant) {
-                Some((who, (instant, moved, speed))) => {
-                    Err(RecordingError::Instant { instant, fault: InstantFault::Jump { who, moved, speed } })
-                }
-                None => Ok(()),
-            }
-        };
-        // What most steps do is a matter of units.
-        jumps(Self::OF_WAY.0, self.ego.len() / 2, |moved, _| moved.norm())?;
+        [("car", cars, TrackOf::Car), ("pedestrian", walkers, TrackOf::Pedestrian)]
+    }
+
+    /// What is wrong at single instants and in parts.
+    ///
+    /// # Errors
+    /// The units do not fit each other.
+    fn damages(&self) -> Result<Vec<Finding>, RecordingError> {
+        let dt = self.dt;
+        let tracks = self.tracks();
         // A heading that was taken from positions fits them.
         let told = &tracks[..if self.is_walked { 1 } else { 2 }];
-        let parts = told.iter().filter_map(|(who, track, of)| Some((*who, track, *of, contradiction(track, dt, *of)?)));
-        let first = parts.min_by_key(|(.., part)| part.first);
-        let contradicts = first.map(|(who, track, of, Contradiction { first: instant, lasts, told, moved })| {
-            let fault = InstantFault::Contradiction { who, lasts, moved, told };
-            (RecordingError::Instant { instant, fault }, fits(&track[..=instant], dt, of))
-        });
-        if let Some((error, true)) = contradicts {
-            return Err(error);
-        }
-        for (who, track, track_of) in told {
+        let parts = told.iter().filter_map(|(who, track, of)| Some((contradiction(who, track, dt, *of)?, track, *of)));
+        let first = parts.min_by_key(|(part, ..)| part.first);
+        let fits_before = first.as_ref().is_some_and(|(part, track, of)| fits(&track[..=part.first], dt, *of));
+        let jumps = tracks.each_ref().map(|(who, track, of)| Self::jumps(who, track, dt, *of));
+        // What most steps do is a matter of units.
+        let is_whole = |place: usize| jumps[place].is_empty() || jumps[place].len() * 2 > self.ego.len();
+        for (_, (who, track, track_of)) in told.iter().enumerate().filter(|(place, _)| !fits_before && is_whole(*place))
+        {
             match misfit(track, dt, *track_of) {
                 None => {}
                 Some(Misfit::Speed { ratio, likely }) => {
@@ -289,61 +324,53 @@ impl Recording {
                 }
             }
         }
-        jumps(Self::OF_WAY.0, usize::MAX, |moved, _| moved.norm())?;
-        jumps(Self::OF_WAY.1, usize::MAX, |moved, pose| moved.dot(&pose.left()).abs())?;
-        if let Some((error, _)) = contradicts {
-            return Err(error);
+        let mut found: Vec<Finding> = first.into_iter().map(|(part, ..)| part).collect();
+        found.extend(spikes_of_car(&self.ego, dt));
+        if !self.is_walked {
+            found.extend(spikes_of_pedestrian(&self.pedestrian, dt));
         }
         let driven: Vec<Vector> = self.ego.iter().map(|state| state.pose.forward() * state.speed).collect();
         let walking: Vec<Vector> = self.pedestrian.iter().map(|state| state.velocity).collect();
-        let known = (!self.is_walked).then_some(&walking[..]);
-        let car = remove_position_spikes(self.ego.iter_mut().map(|state| &mut state.pose), Some(&driven), dt);
-        let pedestrian = remove_position_spikes(self.pedestrian.iter_mut().map(|state| &mut state.pose), known, dt);
-        self.spikes.extend(car.into_iter().chain(pedestrian));
-        self.spikes.sort_unstable();
-        self.spikes.dedup();
-        let (length, speed) = Self::BESIDES_OF_PEDESTRIAN;
-        let besides = Self::BESIDES.min(length + speed * dt);
-        let states = self.pedestrian.iter().zip(&tracks[1].1).map(|(state, (_, speed))| (state.pose, *speed));
-        let track: Vec<(Pose, f64)> = states.collect();
-        let jump = Self::jump(&track, dt, (Self::OF_WAY.0, besides), usize::MAX, |moved, _| moved.norm());
-        if let Some((instant, moved, speed)) = jump {
-            let fault = InstantFault::Jump { who: "pedestrian", moved, speed };
-            return Err(RecordingError::Instant { instant, fault });
-        }
-        if self.is_walked {
-            let positions: Vec<Vector> = self.pedestrian.iter().map(|state| state.pose.position().coords).collect();
-            for (state, walked) in self.pedestrian.iter_mut().zip(walked(&positions, dt)) {
-                (state.velocity, state.pose.yaw) = (walked.velocity, walked.pose.yaw);
+        let known = [Some(&driven[..]), (!self.is_walked).then_some(&walking[..])];
+        for ((who, track, _), known) in tracks.iter().zip(known) {
+            let places: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
+            found.extend(spikes_of_positions(who, &places, known, dt));
+            found.extend(held(who, &places, dt));
+            let noise = noise(&places);
+            if noise > Self::TOLD_NOISE {
+                found.push(Finding::new(who, (0, track.len() - 1), Damage::Noise(noise)));
             }
         }
-        // Wrapped only now: degrees that were wrapped as radians are no longer recognised.
-        let poses = self.ego.iter_mut().map(|state| &mut state.pose);
-        for pose in poses.chain(self.pedestrian.iter_mut().map(|state| &mut state.pose)) {
-            pose.yaw = wrap_angle(pose.yaw);
-        }
-        Ok(self)
+        found.extend(jumps.into_iter().flatten());
+        found.sort_by_key(|finding| finding.first);
+        Ok(found)
     }
 
-    /// The first step whose length is more than a share of what the speed explains, a length (m) and the noise: its end, its length (m) and the speed
-    /// (m/s). `None` if more steps than `most` are so.
-    fn jump(
-        track: &[(Pose, f64)],
-        dt: f64,
-        (of_way, besides): (f64, f64),
-        most: usize,
-        length: impl Fn(&Vector, &Pose) -> f64,
-    ) -> Option<(usize, f64, f64)> {
+    /// The finding in which the verdict on a touch at this time (s) lies, which a danger of `warning` (s) came before.
+    fn undecided(&self, touch: f64, warning: f64) -> Option<Finding> {
+        let last = (touch / self.dt).ceil();
+        let first = ((touch - warning - Self::BEFORE_DANGER) / self.dt).floor();
+        let lies_there = |finding: &&Finding| finding.first as f64 <= last && finding.last as f64 >= first;
+        self.findings.iter().filter(|finding| finding.decides()).find(lies_there).cloned()
+    }
+
+    /// The steps whose length, or to a side, is more than a share of what the speed explains, a length (m) and the noise.
+    fn jumps(who: &'static str, track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Vec<Finding> {
         let positions: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
+        let (length, speed) = Self::BESIDES_OF_PEDESTRIAN;
+        let besides = if of == TrackOf::Car { Self::BESIDES } else { Self::BESIDES.min(length + speed * dt) };
         let besides = besides + Self::OF_NOISE * noise(&positions);
         let steps = track.windows(2).zip(positions.windows(2)).enumerate();
-        let mut jumps = steps.filter_map(|(instant, (states, places))| {
+        let jumps = steps.filter_map(|(instant, (states, places))| {
             let (moved, speed) = (places[1] - places[0], states[0].1.abs().max(states[1].1.abs()));
-            let is_far = length(&moved, &states[1].0) > of_way * speed * dt + besides;
-            is_far.then(|| (instant + 1, moved.norm(), speed))
+            let aside = moved.dot(&states[1].0.left()).abs();
+            let explained = |share: f64| share * speed * dt;
+            let is_far = moved.norm() > explained(Self::OF_WAY.0) + besides
+                || of == TrackOf::Car && aside > explained(Self::OF_WAY.1) + besides;
+            let what = Damage::Jump { moved: moved.norm(), speed };
+            is_far.then(|| Finding::new(who, (instant + 1, instant + 1), what))
         });
-        let first = jumps.next()?;
-        (jumps.count() < most).then_some(first)
+        jumps.collect()
     }
 
     /// The time between two instants (s).
@@ -356,9 +383,11 @@ impl Recording {
         (self.dt / TICK - 1e-6).ceil().max(1.0) as usize
     }
 
-    /// The line of an instant in its file; `None` without a file.
-    pub fn line(&self, instant: usize) -> Option<usize> {
-        self.lines.get(instant).copied()
+    /// Tells the lines of the instants in their file.
+    pub(super) fn tell_lines(&mut self, lines: &[usize]) {
+        for finding in &mut self.findings {
+            finding.lines = Some((lines[finding.first], lines[finding.last]));
+        }
     }
 
     /// Judges the first touch. `scenario` gives the sizes of the car and of the pedestrian, the grip of the road, and with `obstacles`
@@ -384,6 +413,7 @@ impl Recording {
         let requirements = requirements.collect();
         let mut inquiry = Inquiry::new(&pair);
         let begins_late = inquiry.as_mut().and_then(Inquiry::begins_late);
+        let undecided = inquiry.as_ref().and_then(|inquiry| self.undecided(touch?, inquiry.encounter().warning));
         Encountered {
             touch,
             least_gap,
@@ -394,8 +424,12 @@ impl Recording {
                 ..verdict
             }),
             begins_late,
-            ignored: self.spikes.clone(),
+            findings: self.findings.clone(),
+            undecided,
             requirements,
+            step: self.dt,
+            trace,
+            scenario,
         }
     }
 

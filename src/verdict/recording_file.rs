@@ -1,5 +1,7 @@
 use std::f64::consts::PI;
 
+use base::choice;
+
 use super::{InstantFault, Recording, RecordingError};
 use road::geometry::{Point, Pose};
 use world::sim::{PedestrianState, VehicleState};
@@ -26,6 +28,47 @@ const FORMATS: [(&[char], &str, &str); 4] = [
 const UNEVEN: f64 = 0.1;
 /// A speed of a pedestrian may be as far below 0 by noise (m/s); its direction is then the opposite.
 const NOISE_OF_SPEED: f64 = 1.0;
+
+/// The units of a file, where they are not seconds, m/s and degrees from x to y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Units {
+    /// A unit of time in seconds, and one of speed in m/s.
+    pub time: f64,
+    pub speed: f64,
+    pub heading: HeadingUnit,
+    /// Whether the columns of the pedestrian's velocity are left out: they are those of its body.
+    pub without_velocity: bool,
+}
+
+choice! {
+    /// How headings are written.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum HeadingUnit {
+        /// Degrees, from x to y.
+        Degrees = "deg",
+        /// Radians, from x to y.
+        Radians = "rad",
+        /// Degrees clockwise from y, as of a compass.
+        Compass = "compass",
+    }
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Self { time: 1.0, speed: 1.0, heading: HeadingUnit::Degrees, without_velocity: false }
+    }
+}
+
+impl Units {
+    /// A heading in radians, from x to y.
+    fn yaw(&self, heading: f64) -> f64 {
+        match self.heading {
+            HeadingUnit::Degrees => heading.to_radians(),
+            HeadingUnit::Radians => heading,
+            HeadingUnit::Compass => (90.0 - heading).to_radians(),
+        }
+    }
+}
 
 /// A file that holds no recording.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -60,6 +103,14 @@ impl Recording {
     /// # Errors
     /// A column is absent, a field is not a number, times have no constant step, or what [`Recording::new`] refuses.
     pub fn from_csv(text: &str) -> Result<Self, RecordingFileError> {
+        Self::from_csv_in(text, &Units::default())
+    }
+
+    /// The same of a file with other units.
+    ///
+    /// # Errors
+    /// Those of [`Recording::from_csv`].
+    pub fn from_csv_in(text: &str, units: &Units) -> Result<Self, RecordingFileError> {
         let mut lines =
             text.trim_start_matches('\u{feff}').lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
         let header: Vec<&str> =
@@ -89,7 +140,7 @@ impl Recording {
             places.push((column, place(column).ok_or_else(|| absent(column))?));
         }
         let velocity = VELOCITY.map(|column| Some((column, place(column)?)));
-        let has_velocity = velocity.iter().any(Option::is_some);
+        let has_velocity = !units.without_velocity && velocity.iter().any(Option::is_some);
         if has_velocity {
             for (column, found) in VELOCITY.into_iter().zip(velocity) {
                 places.push(found.ok_or_else(|| absent(column))?);
@@ -113,13 +164,14 @@ impl Recording {
                 })?;
             }
             let [time, x, y, yaw, speed, walker_x, walker_y, walker_yaw, walker_speed] = numbers;
+            let [speed, walker_speed] = [speed, walker_speed].map(|speed| speed * units.speed);
             if walker_speed < -NOISE_OF_SPEED {
                 return Err(RecordingFileError::Backwards { line: index + 1, speed: walker_speed });
             }
-            times.push((index + 1, time));
-            ego.push(VehicleState { pose: Pose::new(x, y, yaw.to_radians()), speed, ..VehicleState::default() });
+            times.push((index + 1, time * units.time));
+            ego.push(VehicleState { pose: Pose::new(x, y, units.yaw(yaw)), speed, ..VehicleState::default() });
             positions.push(Point::new(walker_x, walker_y));
-            let direction = walker_yaw.to_radians() + if walker_speed < 0.0 { PI } else { 0.0 };
+            let direction = units.yaw(walker_yaw) + if walker_speed < 0.0 { PI } else { 0.0 };
             walkers.push(PedestrianState::moving(Pose::new(walker_x, walker_y, direction), walker_speed.abs()));
         }
         let dt = step(&times)?;
@@ -127,7 +179,7 @@ impl Recording {
         let lines: Vec<usize> = times.iter().map(|(line, _)| *line).collect();
         match made {
             Ok(mut recording) => {
-                recording.lines = lines;
+                recording.tell_lines(&lines);
                 Ok(recording)
             }
             Err(RecordingError::Instant { instant, fault }) => {

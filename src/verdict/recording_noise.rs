@@ -19,8 +19,6 @@ pub(super) const SIGNIFICANT: f64 = 4.0;
 /// The median of the absolute value of a normal number, and of the length of a pair of them, in standard deviations.
 const OF_NUMBER: f64 = 0.674;
 pub(super) const OF_PAIR: f64 = 1.177;
-/// Positions that are held for longer (s) are not smoothed but taken apart.
-const LONG_HOLD: f64 = 0.2;
 
 /// The standard deviation of the difference of two values by noise, from the median of their second differences: a body changes its velocity
 /// little between two instants. `usual` is the median of such a difference, in standard deviations.
@@ -50,29 +48,12 @@ pub(super) fn step_noise(values: &[Vector]) -> f64 {
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1 / 6.0_f64.sqrt()
 }
 
-/// The positions between the instants at which they change, if they are held regularly for more than a fifth of a second: as new positions came, not as they were
-/// repeated. Who does not move for longer than that stands.
-pub(super) fn taken_apart(positions: &[Vector], dt: f64) -> Vec<Vector> {
-    let mut all = positions.to_vec();
-    let Some((changed, usual)) = holds(positions).filter(|(_, usual)| *usual as f64 * dt > LONG_HOLD) else {
-        return all;
-    };
+/// How many instants in a row most positions are held for; `None` if they are not.
+pub(super) fn usual_hold(positions: &[Vector]) -> Option<usize> {
+    let (changed, usual) = holds(positions)?;
     let is_regular = |pair: &&[usize]| (pair[1] - pair[0]).abs_diff(usual) <= 1;
-    if changed.len() < 4 || changed.windows(2).filter(is_regular).count() * 4 < (changed.len() - 1) * 3 {
-        return all;
-    }
-    let mut slope = Vector::zeros();
-    let mut before = 0;
-    for end in &changed {
-        let first = if end - before > usual + 1 { end - usual } else { before };
-        slope = (positions[*end] - positions[first]) / (end - first) as f64;
-        (first..*end).for_each(|place| all[place] = positions[first] + slope * (place - first) as f64);
-        before = *end;
-    }
-    if positions.len() - before <= usual + 1 {
-        (before..positions.len()).for_each(|place| all[place] += slope * (place - before) as f64);
-    }
-    all
+    let regular = changed.windows(2).filter(is_regular).count();
+    (changed.len() > 3 && regular * 4 >= (changed.len() - 1) * 3).then_some(usual)
 }
 
 /// The standard deviation of the difference of two positions by noise (m).

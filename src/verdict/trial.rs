@@ -165,6 +165,10 @@ struct Never;
 impl ReferenceDriver for Never {
     fn begin(&mut self) {}
 
+    fn has_noticed(&self) -> bool {
+        false
+    }
+
     fn brake(&mut self, _: &OwnMotion, _: Option<&Threat>, _: f64) -> Option<f64> {
         None
     }

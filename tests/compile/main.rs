@@ -35,6 +35,7 @@ mod natural_walking;
 mod needs;
 mod pedestrians;
 mod protocols;
+mod published;
 mod recordings;
 mod resuming;
 mod sensors;

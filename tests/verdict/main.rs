@@ -1,4 +1,5 @@
 //! Verdicts: closed forms and properties.
 
 mod driven_path;
+mod recording_units;
 mod verdicts;

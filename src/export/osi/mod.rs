@@ -9,6 +9,9 @@
 mod messages;
 mod ground_truth;
 mod descriptor;
+mod read;
+
+pub use read::{TraceError, read};
 
 use prost::Message;
 

@@ -1,196 +1,207 @@
-use std::path::{Path, PathBuf};
+mod recordings;
+
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
 
+use super::condition;
 use crate::cli::console;
-use crate::cli::failure::failed;
+use crate::cli::failure::{failed, misused, unwritten};
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{Error, Input, Session};
-use episode::Scenario;
-use lang::reason;
-use results::report;
-use verdict::{Encountered, Recording, RecordingFileError, Reference, RestsOn, Sizes, Verdict};
-use world::sim::VehicleBlueprint;
+use crate::session::Error;
+use recordings::Recordings;
+use results::report::{self, Gate, JudgedMeeting};
+use verdict::{HeadingUnit, Sizes, Units};
 
 pub const EXAMPLES: &str = "\
 Examples:
-  falsify judge trace.csv                    would a careful driver have avoided the first touch?
-  falsify judge trace.csv --length 4.2 --width 1.8 --radius 0.25 --json
+  falsify judge trace.csv                    would a careful driver have avoided the touch?
+  falsify judge drive.mcap --page drive.html every encounter of a recording, the worst first, each with its player
+  falsify judge drive.osi --car 7 --fail-if 'preventable > 0'
+                                             those of the car 7; exit code 7 if a careful driver avoids a touch of them
   falsify replay 1a2b3c4d:17 --ticks way.csv && falsify judge way.csv
                                              an episode of ours, as if no building stood there; `cannot tell` if it begins in danger
 
-The columns, in any order, others are ignored:
-  time_s                                     time, with a constant step of 0.001 s to 0.5 s
-  ego_x_m, ego_y_m                           middle of the car's box
-  ego_yaw_deg, ego_speed_mps                 its heading, from x to y, and its speed along it: negative when it reverses
-  pedestrian_x_m, pedestrian_y_m             middle of the pedestrian
-  pedestrian_yaw_deg, pedestrian_speed_mps   direction and speed of its motion; without both they come from the positions
+Files:
+  .mcap, .osi                                ASAM OSI: `GroundTruth` or `SensorView`. What stands still hides a pedestrian
+  .csv                                       a car and a pedestrian, with these columns in any order; others are ignored:
+    time_s                                   time, with a constant step of 0.001 s to 0.5 s
+    ego_x_m, ego_y_m                         middle of the car's box
+    ego_yaw_deg, ego_speed_mps               its heading, from x to y, and its speed along it: negative when it reverses
+    pedestrian_x_m, pedestrian_y_m           middle of the pedestrian
+    pedestrian_yaw_deg, pedestrian_speed_mps direction and speed of its motion; without both they come from the positions
 
 The frame is right-handed. Of recordings from CARLA change the signs of y and of the heading.
-A recording begins before the pedestrian is a danger. It cannot say that it was dark or wet, or that something hid the pedestrian.
+A recording begins before the pedestrian is a danger. It cannot say that it was dark or wet. What is damaged in it is told with its place; an answer that rests on it is `cannot tell`.
 
-Exit codes: 0 it was judged   2 the file cannot be read, or is not a recording";
+--fail-if counts `encounters`, `touches`, `preventable`, `faults` and `cannot_tell`.
+
+Exit codes: 0 it was judged   2 the file cannot be read, or is not a recording   6 a file cannot be written
+  7 a condition is true";
 
 /// Options of `falsify judge`.
 #[derive(Debug, Args)]
 pub struct JudgeArgs {
-    /// A recording: CSV with a header and a row for each instant.
+    /// A recording: .mcap or .osi of ASAM OSI, or .csv with a row for each instant.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Length of the car (m); without it that of the paper's car, 4.79.
+    /// The car that is judged, by its number in the recording; without it the one that recorded, or all that move.
+    #[arg(long, value_name = "ID")]
+    pub car: Option<String>,
+    /// Pedestrians that come nearer to a car than this are encounters (m).
+    #[arg(long, value_name = "METRES", default_value_t = 2.0, value_parser = near)]
+    pub near: f64,
+    /// The unit of `time_s`: s, ms, us or ns.
+    #[arg(long, value_name = "UNIT", default_value = "s", value_parser = ["s", "ms", "us", "ns"])]
+    pub time_unit: String,
+    /// The unit of speeds: m/s, km/h or mph.
+    #[arg(long, value_name = "UNIT", default_value = "m/s", value_parser = ["m/s", "km/h", "mph"])]
+    pub speed_unit: String,
+    /// What headings are: deg or rad from x to y, or compass, in degrees clockwise from y.
+    #[arg(long, value_name = "UNIT", default_value = "deg", value_parser = ["deg", "rad", "compass"])]
+    pub heading_unit: String,
+    /// Take the velocity of the pedestrian from its positions: its columns are those of its body.
+    #[arg(long)]
+    pub no_velocity: bool,
+    /// Length of the car (m); without it that of the recording, or of the paper's car, 4.79.
     #[arg(long, value_name = "METRES")]
     pub length: Option<f64>,
-    /// Width of the car (m); without it that of the paper's car, 2.16.
+    /// Width of the car (m); without it that of the recording, or of the paper's car, 2.16.
     #[arg(long, value_name = "METRES")]
     pub width: Option<f64>,
-    /// Radius of the pedestrian (m); without it that of the paper's pedestrian, 0.188.
+    /// Radius of the pedestrian (m); without it that of the recording, or of the paper's pedestrian, 0.188.
     #[arg(long, value_name = "METRES")]
     pub radius: Option<f64>,
     /// Deceleration of the car at full brake (m/s²); without it that of the paper's car, 7.01. Careful humans brake with it, at most with 7.59.
     #[arg(long, value_name = "M/S2")]
     pub full_brake: Option<f64>,
+    /// Write a page with a player of each encounter.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// Write a row for each encounter, as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Fail with exit code 7 if this is true, such as `preventable > 0`.
+    #[arg(long, value_name = "CONDITION")]
+    pub fail_if: Vec<String>,
     /// Print one JSON object, for programs.
     #[arg(long)]
     pub json: bool,
 }
 
-/// The paper's car and pedestrian, whose sizes and grip a recording has when nothing else is stated.
-const PAPER: &str = "\
-edition 1
-import \"std/paper.scn\"
-import \"std/drivers.scn\"
-import \"std/towns.scn\"
-campaign recording {
-  vehicle: model3  body: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour]  drivers: [blind]  pedestrians: [random]  episodes: 1 }
-}
-";
-/// Its name among the files of a session.
-const PAPER_FILE: &str = "recording.scn";
-
 pub fn judge(options: &JudgeArgs) -> Ended {
-    let (found, recording, car) = judged(options).map_err(failed)?;
-    if options.json {
-        console::say(&as_json(&found, &car).to_string());
-    } else {
-        tell(&found, &recording);
-        say_wrapped(&format!(
-            "assumed: a car of {:.2} m by {:.2} m that brakes with at most {:.2} m/s^2, daylight, a dry road, and nothing that hides the pedestrian",
-            2.0 * car.half_length,
-            2.0 * car.half_width,
-            car.full_brake
-        ));
-    }
-    Ok(ExitCode::Done)
-}
-
-/// Judges the first touch of a car and a pedestrian that were recorded elsewhere, on a plane without obstacles.
-fn judged(options: &JudgeArgs) -> Result<(Encountered, Recording, VehicleBlueprint), Error> {
-    let refused = |reason: String| Error::Usage(format!("cannot judge `{}`: {reason}", options.file.display()));
-    let text = base::files::text(&options.file).map_err(|error| refused(reason(&error)))?;
-    let recording = Recording::from_csv(&text).map_err(|error| refused(error.to_string()))?;
-    let mut scenario = paper()?;
+    let reference = report::counted_reference();
+    let gates = options.fail_if.iter().map(|text| Gate::of_table(text, &reference));
+    let gates = gates.collect::<Result<Vec<Gate>, _>>().map_err(|error| misused(format!("--fail-if: {error}")))?;
     let sizes =
         Sizes { length: options.length, width: options.width, radius: options.radius, full_brake: options.full_brake };
-    sizes.apply(&mut scenario).map_err(|error| refused(RecordingFileError::from(error).to_string()))?;
-    let car = scenario.cast.ego().blueprint.clone();
-    Ok((recording.judged_without_obstacles(&scenario), recording, car))
+    let recordings = Recordings::read(&options.file, options.near, options.car.as_deref(), &units(options));
+    let judged = recordings.and_then(|recordings| recordings.judged(sizes));
+    let mut all = judged.map_err(|reason: String| {
+        failed(Error::Usage(format!("cannot judge `{}`: {}", options.file.display(), with_option(&reason))))
+    })?;
+    JudgedMeeting::sort(&mut all);
+    if options.json {
+        let encounters: Vec<_> = all.iter().map(JudgedMeeting::to_json).collect();
+        console::say(&json!({ "encounters": encounters }).to_string());
+    } else {
+        tell_all(&all, options);
+    }
+    if let Some(path) = &options.csv {
+        report::write_file(path, report::csv_text(&report::meetings_table(&all)).as_bytes()).map_err(unwritten)?;
+    }
+    if let Some(path) = &options.page {
+        let name = options.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        report::write_file(path, report::judgement_page(&name, &all).as_bytes()).map_err(unwritten)?;
+        console::note(&path.display().to_string());
+    }
+    let mut passes = true;
+    for gate in &gates {
+        let judged = gate.judge(&report::counted_table(&all));
+        condition::tell(gate, &judged, &["the recording".to_owned()]);
+        passes &= !judged.iter().any(report::Judged::fails);
+    }
+    Ok(ExitCode::of_gate(passes))
 }
 
-/// The scenario with the paper's car and pedestrian.
-fn paper() -> Result<Scenario, Error> {
-    let session = Session::default().with_reader(|path: &Path| match path.to_str() {
-        Some(PAPER_FILE) => Ok(PAPER.to_string()),
-        _ => Err(std::io::Error::from(std::io::ErrorKind::NotFound)),
-    });
-    let checked = session.check(&Input::file(PAPER_FILE))?;
-    Ok(Scenario::clone(&checked.plan()?.campaigns[0].nth::<compile::Evaluation>(0).scenario))
+fn near(text: &str) -> Result<f64, String> {
+    let near = text.parse().ok().filter(|near| (0.01..=100.0).contains(near));
+    near.ok_or_else(|| "give 0.01 to 100".to_owned())
+}
+
+fn units(options: &JudgeArgs) -> Units {
+    let time = match &*options.time_unit {
+        "ms" => 1e-3,
+        "us" => 1e-6,
+        "ns" => 1e-9,
+        _ => 1.0,
+    };
+    let speed = match &*options.speed_unit {
+        "km/h" => 1.0 / 3.6,
+        "mph" => 0.44704,
+        _ => 1.0,
+    };
+    let heading = HeadingUnit::named(&options.heading_unit).unwrap_or(HeadingUnit::Degrees);
+    Units { time, speed, heading, without_velocity: options.no_velocity }
+}
+
+/// The option that says what a recording looks like, for the reasons that name it.
+const OPTIONS: [(&str, &str); 7] = [
+    ("look like milliseconds", "--time-unit ms"),
+    ("look like microseconds", "--time-unit us"),
+    ("look like nanoseconds", "--time-unit ns"),
+    ("look like km/h", "--speed-unit km/h"),
+    ("look like mph", "--speed-unit mph"),
+    ("look like radians", "--heading-unit rad"),
+    ("look like compass bearings", "--heading-unit compass"),
+];
+
+/// A reason, with the option that helps.
+fn with_option(reason: &str) -> String {
+    let body = "leave out speed and heading";
+    let option = OPTIONS.iter().find(|(words, _)| reason.contains(words)).map(|(_, option)| *option);
+    match option.or(reason.contains(body).then_some("--no-velocity")) {
+        Some(option) => format!("{reason} (`{option}`)"),
+        None => reason.to_owned(),
+    }
 }
 
 fn say_wrapped(text: &str) {
     console::say(console::wrapped(text).trim_end());
 }
 
-/// Prints the result for people.
-fn tell(found: &Encountered, recording: &Recording) {
-    let near = &found.near_miss;
-    if recording.parts() > 1 {
-        console::say(&format!("rows are {:.2} s apart: the motion between them is interpolated", recording.dt()));
-    }
-    if let [first, rest @ ..] = &found.ignored[..] {
-        let others = if rest.is_empty() { String::new() } else { format!(" and in {} others", rest.len()) };
-        let line = recording.line(*first).unwrap_or(*first);
-        say_wrapped(&format!(
-            "ignored: the speed, heading or position in line {line}{others}, which those before and after contradict"
-        ));
-    }
-    if let (Some(touch), Some(late)) = (found.touch, found.begins_late) {
-        console::say(&format!("touch after {touch:.2} s"));
-        say_wrapped(&format!(
-            "verdict: cannot tell. The danger was under way when the recording begins; give at least {} s more before it",
-            (late * 10.0).ceil() / 10.0
-        ));
-        return;
-    }
-    let (Some(touch), Some(verdict)) = (found.touch, &found.verdict) else {
-        console::say(&format!("no touch; the least distance is {:.2} m", found.least_gap));
-        if let Some(before) = found.ends_before {
-            say_wrapped(&format!(
-                "it ends {before:.2} s before a touch, if both go on as they do: record for longer, or it tells nothing"
-            ));
-        }
-        if let Some(ttc) = near.min_ttc {
-            console::say(&format!("the least time to collision is {ttc:.2} s"));
-        }
-        if let Some(pet) = near.pet {
-            console::say(&format!("the post-encroachment time is {pet:.2} s"));
-        }
+/// Prints the encounters for people: all in a table if there are several, and the worst in words.
+fn tell_all(all: &[JudgedMeeting], options: &JudgeArgs) {
+    let Some(worst) = all.first() else {
+        say_wrapped(&format!("no pedestrian comes nearer than {} m to a car that is judged", options.near));
         return;
     };
-    console::say(&format!(
-        "touch after {touch:.2} s at the {} of the car, which drives {:.2} m/s",
-        verdict.side.name(),
-        verdict.impact_speed
-    ));
-    console::say(&format!("verdict: {}", verdict.label.name()));
-    let counts = if verdict.is_fault() { "counts" } else { "does not count" };
-    let class = verdict.class();
-    say_wrapped(&format!("counts as {}: it {counts} against the driver, since {}", class.name(), class.reason()));
-    if verdict.warning + recording.dt() >= touch {
-        console::say("the danger started in the first row, or before it");
-    } else {
-        console::say(&format!("the danger started {:.2} s before the touch", verdict.warning));
+    if all.len() > 1 {
+        console::say(&format!("{}, the worst first", console::count(all.len(), "encounter")));
+        console::say(report::meetings_for_terminal(all, console::width()).trim_end());
+        console::say(&format!("\nthe worst, {}:", worst.title()));
     }
-    report::reference_lines(verdict).for_each(|line| console::say(&line));
+    tell(worst);
+    let car = &worst.found.scenario.cast.ego().blueprint;
+    say_wrapped(&format!(
+        "assumed: a car of {:.2} m by {:.2} m that brakes with at most {:.2} m/s^2, daylight, and a dry road",
+        2.0 * car.half_length,
+        2.0 * car.half_width,
+        car.full_brake
+    ));
 }
 
-/// Makes an object of the result, with the names of the table of episodes; what does not apply is null.
-fn as_json(found: &Encountered, car: &VehicleBlueprint) -> serde_json::Value {
-    let verdict = found.verdict.as_ref().filter(|_| found.begins_late.is_none());
-    let avoided = verdict.map(|verdict| {
-        let of = |reference: Reference| (reference.name(), json!(verdict.trial(reference).is_avoided()));
-        Reference::ALL.map(of).into_iter().collect::<std::collections::BTreeMap<_, _>>()
-    });
-    json!({
-        "touch_s": found.touch,
-        "impact_speed_mps": verdict.map(|verdict| verdict.impact_speed),
-        "side": verdict.map(|verdict| verdict.side.name()),
-        "verdict": verdict.map(|verdict| verdict.label.name()).or(found.begins_late.map(|_| "cannot_tell")),
-        "begins_late_s": found.begins_late,
-        "counts_as": verdict.map(|verdict| verdict.class().name()),
-        "foreseeable": verdict.map(|verdict| verdict.foreseeable),
-        "fault": verdict.map(Verdict::is_fault),
-        "warning_s": verdict.map(|verdict| verdict.warning),
-        "rests_on": verdict.and_then(|verdict| verdict.rests_on).map(RestsOn::name),
-        "avoided_by": avoided,
-        "least_gap_m": found.least_gap,
-        "ends_before_s": found.ends_before,
-        "min_ttc_s": found.near_miss.min_ttc,
-        "pet_s": found.near_miss.pet,
-        "ignored_instants": found.ignored,
-        "car_length_m": 2.0 * car.half_length,
-        "car_width_m": 2.0 * car.half_width,
-        "full_brake_mps2": car.full_brake,
-    })
+/// Prints an encounter for people.
+fn tell(each: &JudgedMeeting) {
+    let found = &each.found;
+    for finding in &found.findings {
+        say_wrapped(&format!("found: {finding}"));
+    }
+    for line in report::judgement_lines(each) {
+        say_wrapped(&line);
+    }
+    if let Some(answers) = each.answers().filter(|_| found.told().is_some()) {
+        console::say(answers.to_terminal(console::width()).trim_end());
+    }
 }

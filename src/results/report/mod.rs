@@ -35,6 +35,8 @@ mod repeats;
 mod replayed;
 mod held_programs;
 mod dossier;
+mod reference_answers;
+mod judgement;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
@@ -67,11 +69,15 @@ pub use recheck::{
 };
 
 // Text and pictures.
+pub use judgement::{
+    JudgedMeeting, counted_reference, counted_table, judgement_lines, meetings_for_terminal, meetings_table,
+};
+pub use reference_answers::ReferenceAnswers;
 pub use render::{
     ChangeReport, Group, MapPage, Narrative, PlayedPair, Replay, SMOKE, Section, SectionMaker, StartLayer, Starts,
-    Suite, Tally, TownView, animation, change_page, change_text, comparison_report, failures_for_terminal, junit,
-    map_page, narrative, overview_for_terminal, overview_page, recheck_report, reference_lines, sections, spawn_map,
-    strip,
+    Suite, Tally, TownView, animation, change_page, change_text, comparison_report, failures_for_terminal,
+    judgement_page, junit, map_page, narrative, overview_for_terminal, overview_page, recheck_report, sections,
+    spawn_map, strip,
 };
 pub use text_forms::{csv_text, json_rows};
 

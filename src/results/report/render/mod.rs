@@ -15,10 +15,12 @@ mod junit;
 mod change_report;
 mod comparison_sections;
 mod recheck_sections;
+mod judgement_page;
 
 pub use change_report::{ChangeReport, PlayedPair, change_page, change_text};
 pub use comparison_sections::comparison_report;
-pub use episode::{Narrative, animation, narrative, reference_lines, strip};
+pub use episode::{Narrative, animation, narrative, strip};
+pub use judgement_page::judgement_page;
 pub use junit::{Suite, junit};
 pub use overview::{overview_for_terminal, overview_page};
 pub(super) use page::document;

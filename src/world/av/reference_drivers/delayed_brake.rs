@@ -119,6 +119,10 @@ impl ReferenceDriver for DelayedBrake {
         self.profile.wait
     }
 
+    fn has_noticed(&self) -> bool {
+        self.clock.is_some()
+    }
+
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, dt: f64) -> Option<f64> {
         let seen = || threat.is_some_and(|threat| self.notices(own, threat));
         // A driver that stands needs no reaction time: it does not drive off.

@@ -122,6 +122,10 @@ impl ReferenceDriver for FuzzySafety {
         self.reaction
     }
 
+    fn has_noticed(&self) -> bool {
+        self.waiting < self.reaction
+    }
+
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, dt: f64) -> Option<f64> {
         let human = DelayedBrake::careful_human();
         if self.braking.is_none() && own.stands() && threat.is_some_and(|threat| human.notices(own, threat)) {

@@ -9,6 +9,8 @@
 //! | [`DelayedBrake::attentive_human`] | the same, whose risk evaluation is over when the gate opens | 0.75 s after the gate |
 //! | [`FuzzySafety`] | JRC's Fuzzy Safety Model | as hard as the distance is unsafe, to 6 m/s² |
 //! | [`Rss`] | ad-rss-lib, unstructured rule | 4 m/s² when both could not stop apart, unless the other was to stop |
+//! | [`CutInBrake`] | JRC's human, system and RSS in lanes | when bodies are beside each other, or nearly |
+//! | [`AlksHuman`] | `esmini`'s human for pedestrians | 1.15 s after a pedestrian moves towards the path |
 //! | [`DelayedBrake::ideal`] | our choice | 0.35 s after the gate, in 0.6 s to 0.85 g |
 //! | [`DelayedBrake::bound`] | physics | at once when a pedestrian moves towards the path, 0.85 g |
 //!
@@ -29,8 +31,12 @@ mod delayed_brake;
 mod fuzzy_safety;
 mod rss_limits;
 mod rss;
+mod cut_in_brake;
+mod alks_human;
 
+pub use alks_human::AlksHuman;
 pub use brake_profile::BrakeProfile;
+pub use cut_in_brake::{CutIn, CutInBrake};
 pub use delayed_brake::{DelayedBrake, Gate};
 pub use fuzzy_safety::FuzzySafety;
 pub use rss::Rss;

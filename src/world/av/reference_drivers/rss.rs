@@ -9,7 +9,7 @@ use super::{OwnMotion, ReferenceDriver, RssLimits, Threat};
 ///
 /// The rule expects a pedestrian that walks up to the lane to stop; our pedestrians do not. Such a driver hits pedestrians.
 ///
-/// Simplified: the car keeps to its path, so its sets are stretches of the swept path, and driving away is left out. A
+/// Simplified: the car keeps to its path, so its sets are stretches of the swept path, wider by what it may turn where it may, and driving away is left out. A
 /// pedestrian's set is a fan of straight ways around its direction, as wide as the permitted turn, instead of arcs. Each `T_f` lasts
 /// as long as its actor's slowest stop. Beyond the far side the swept path has no end.
 ///
@@ -21,6 +21,8 @@ pub struct Rss {
     pub car: RssLimits,
     /// The assumptions about the pedestrian.
     pub pedestrian: RssLimits,
+    /// How fast the car may change its yaw rate (rad/s²); 0 of one that keeps to its path.
+    pub yaw_rate_change: f64,
     /// The last safe instant, until danger starts.
     safe: Option<(OwnMotion, Threat)>,
     others_turn: bool,
@@ -39,7 +41,24 @@ const RAYS: i32 = 8;
 impl Rss {
     /// Makes one with these assumptions.
     pub fn new(car: RssLimits, pedestrian: RssLimits) -> Self {
-        Self { car, pedestrian, safe: None, others_turn: false, braked: false }
+        Self { car, pedestrian, yaw_rate_change: 0.0, safe: None, others_turn: false, braked: false }
+    }
+
+    /// That of a car that may turn, as on free ground.
+    pub fn free() -> Self {
+        Self { yaw_rate_change: 0.3, ..Self::default() }
+    }
+
+    /// How far a car may have turned out of its path when its bumper is this far (m) ahead of where it is now: after its response it keeps to a circle.
+    fn spread(&self, own: &OwnMotion, ahead: f64) -> f64 {
+        let RssLimits { response, acceleration, turn_radius, .. } = self.car;
+        let (rate, after) = (self.yaw_rate_change, own.speed + response * acceleration);
+        let way = (own.speed + after) / 2.0 * response;
+        let aside = rate * response.powi(3) * (own.speed / 6.0 + acceleration * response / 8.0);
+        let (turned, bend) = (rate * response * response / 2.0, (rate * response / after).min(1.0 / turn_radius));
+        let (share, rest) = ((ahead / way).clamp(0.0, 1.0), (ahead - way).max(0.0));
+        let yaw = turned * share * share + bend * rest;
+        aside * share.powi(3) + (turned + bend * rest / 2.0) * rest + own.length / 2.0 * yaw
     }
 
     /// Whether both could still stop apart.
@@ -63,7 +82,8 @@ impl Rss {
         if threat.aside() <= 0.0 && within(threat.gap) {
             return true;
         }
-        if threat.aside() > reach || threat.gap - reach > ahead || threat.gap + reach < behind {
+        let widest = if self.yaw_rate_change > 0.0 { self.spread(own, ahead) } else { 0.0 };
+        if threat.aside() > reach + widest || threat.gap - reach > ahead || threat.gap + reach < behind {
             return false;
         }
         let pace = pace(threat);
@@ -72,6 +92,13 @@ impl Rss {
         (-RAYS..=RAYS).any(|ray| {
             let (sin, cos) = libm::sincos(middle + turn * f64::from(ray) / f64::from(RAYS));
             let (along, inward) = (cos * reach, -sin * reach);
+            if self.yaw_rate_change > 0.0 {
+                return (0..=RAYS).map(|part| f64::from(part) / f64::from(RAYS)).any(|part| {
+                    let gap = threat.gap + along * part;
+                    let aside = (threat.offset - inward * part).abs() - threat.reach;
+                    within(gap) && aside <= self.spread(own, gap)
+                });
+            }
             // The part of the way within the path, as shares of the way.
             let enters = if threat.aside() <= 0.0 { 0.0 } else { threat.aside() / inward };
             if !(0.0..=1.0).contains(&enters) {
@@ -90,6 +117,10 @@ fn pace(threat: &Threat) -> f64 {
 impl ReferenceDriver for Rss {
     fn begin(&mut self) {
         (self.safe, self.others_turn, self.braked) = (None, false, false);
+    }
+
+    fn has_noticed(&self) -> bool {
+        self.braked
     }
 
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, _: f64) -> Option<f64> {

@@ -114,4 +114,7 @@ pub trait ReferenceDriver: Send {
     fn noticed_for(&self) -> f64 {
         0.0
     }
+
+    /// Whether it has noticed the pedestrian since it began.
+    fn has_noticed(&self) -> bool;
 }

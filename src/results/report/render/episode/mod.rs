@@ -8,6 +8,6 @@ mod strip;
 mod animation;
 
 pub use animation::animation;
-pub use narrative::{Narrative, in_short, narrative, reference_lines};
+pub use narrative::{Narrative, in_short, narrative};
 pub use strip::strip;
 use view::EpisodeView;

@@ -293,7 +293,7 @@ fn verdict_lines(verdict: &Verdict) -> Vec<String> {
 }
 
 /// How each reference driver fares, a line each.
-pub fn reference_lines(verdict: &Verdict) -> impl Iterator<Item = String> {
+fn reference_lines(verdict: &Verdict) -> impl Iterator<Item = String> {
     Reference::ALL.into_iter().map(|reference| {
         let trial = verdict.trial(reference);
         let fared = match trial.impact_speed {

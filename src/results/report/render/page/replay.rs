@@ -4,7 +4,7 @@ use super::super::episode::in_short;
 use super::super::town::{Scenery, Surface};
 use episode::{Ending, Frame, Scenario, Trace};
 use road::geometry::{Point, Pose};
-use verdict::{Judged, Reference};
+use verdict::{Encountered, Judged, Reference};
 
 /// Scenery is shown up to this distance from the paths of car and pedestrian (m).
 const AROUND: f64 = 40.0;
@@ -71,6 +71,15 @@ pub struct OtherTrack {
     pub states: Vec<[i64; 4]>,
 }
 
+/// A number in whole units.
+fn whole(value: f64, unit: f64) -> i64 {
+    (value / unit).round() as i64
+}
+
+fn state(origin: Point, pose: &Pose, speed: f64) -> [i64; 4] {
+    [whole(pose.x - origin.x, 0.01), whole(pose.y - origin.y, 0.01), whole(pose.yaw, 0.001), whole(speed, 0.01)]
+}
+
 impl OtherTrack {
     /// Its state at a tick.
     pub fn at(&self, tick: usize) -> &[i64; 4] {
@@ -86,10 +95,7 @@ impl Replay {
         let frames: Vec<Frame> = pair.frames().collect();
         let last = frames.last().map_or_else(Point::origin, |frame| frame.pedestrian.pose.position());
         let origin = Point::new(last.x.round(), last.y.round());
-        let whole = |value: f64, unit: f64| (value / unit).round() as i64;
-        let state = |pose: &Pose, speed: f64| {
-            [whole(pose.x - origin.x, 0.01), whole(pose.y - origin.y, 0.01), whole(pose.yaw, 0.001), whole(speed, 0.01)]
-        };
+        let state = |pose: &Pose, speed: f64| state(origin, pose, speed);
         let (mut low, mut high) = (last, last);
         for place in frames.iter().flat_map(|m| [m.ego.pose.position(), m.pedestrian.pose.position()]) {
             (low, high) = (low.inf(&place), high.sup(&place));
@@ -169,6 +175,48 @@ impl Replay {
     /// Converts an episode that is alone on its page, with the scenery around it.
     pub fn of_episode(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Self {
         Self::new(scenario, &Scenery::new(&scenario.town), trace, judged)
+    }
+
+    /// Converts a recording from elsewhere. Its brake is what the speeds tell.
+    pub fn of_recording(found: &Encountered, short: &str) -> Self {
+        let (pair, dt) = (found.trace.pair(&found.scenario, 0, 0), found.scenario.episode.tick);
+        let frames: Vec<Frame> = pair.frames().collect();
+        let last = frames.last().map_or_else(Point::origin, |frame| frame.pedestrian.pose.position());
+        let origin = Point::new(last.x.round(), last.y.round());
+        let verdict = found.told();
+        let lost = |frames: &[Frame]| (frames[0].ego.speed - frames[1].ego.speed) / dt / pair.blueprint.full_brake;
+        let ticks = |seconds: f64| (seconds / dt).ceil() as usize;
+        let shown = verdict.map_or(LONGEST, |verdict| (verdict.warning + BEFORE).clamp(SHORTEST, LONGEST));
+        let seen = frames.iter().map(|frame| pair.in_sight(frame));
+        let changes = std::iter::once(false).chain(seen.clone()).zip(seen).enumerate();
+        Self {
+            origin: [origin.x, origin.y],
+            dt,
+            car: [whole(pair.blueprint.half_length, 0.01), whole(pair.blueprint.half_width, 0.01)],
+            radius: whole(pair.body.radius, 0.01),
+            scenery: Vec::new(),
+            ego: frames.iter().map(|frame| state(origin, &frame.ego.pose, frame.ego.speed)).collect(),
+            person: frames.iter().map(|m| state(origin, &m.pedestrian.pose, m.pedestrian.speed())).collect(),
+            others: Vec::new(),
+            modes: vec![(0, "recorded")],
+            brake: std::iter::once(0)
+                .chain(frames.windows(2).map(|pair| whole(lost(pair).clamp(0.0, 1.0), 0.01)))
+                .collect(),
+            throttle: vec![0; frames.len()],
+            sight: changes.filter(|(_, (before, now))| before != now).map(|(tick, _)| tick).collect(),
+            danger: verdict.map(|verdict| (frames.len() - 1).saturating_sub(ticks(verdict.warning))),
+            violations: Vec::new(),
+            opens: (frames.len() - 1).saturating_sub(ticks(shown)),
+            verdict: verdict.map(|verdict| verdict.label.name()),
+            drivers: Vec::new(),
+            touch: found.touch.is_some(),
+            short: short.to_owned(),
+        }
+    }
+
+    /// A pose and a speed (m/s) in its units.
+    pub fn state(&self, pose: &Pose, speed: f64) -> [i64; 4] {
+        state(Point::new(self.origin[0], self.origin[1]), pose, speed)
     }
 
     /// The last tick.
