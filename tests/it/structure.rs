@@ -27,7 +27,7 @@ const UPWARD: &[(&str, usize)] = &[
 ];
 
 /// The files that import each other in circles. The number of circles is no measure: a large one that falls in two is a step. The goal is 0.
-const IN_CIRCLES: usize = 81;
+const IN_CIRCLES: usize = 76;
 
 /// The functions of more than [`LONG`] lines from name to last brace, comments left out. The goal is 0.
 const LONG_FUNCTIONS: usize = 25;

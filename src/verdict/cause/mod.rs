@@ -9,6 +9,8 @@
 
 mod altered;
 mod around;
+#[expect(clippy::module_inception, reason = "a cause is the noun of its file")]
+mod cause;
 mod experiments;
 mod explain;
 mod failure_kind;
@@ -25,7 +27,9 @@ mod violated;
 
 pub use altered::{Change, unseeing};
 pub use around::{Around, StartRule, around};
-pub use explain::{Cause, MAX_RUNS, MAX_RUNS_OF_PROGRAM, Questions, RunLimit, TurnedBy, explain, explain_any};
+use cause::FACULTIES;
+pub use cause::{Cause, MAX_RUNS, MAX_RUNS_OF_PROGRAM, Questions, RunLimit, TurnedBy};
+pub use explain::{explain, explain_any};
 pub use failure_kind::FailureKind;
 pub use incident::{Incident, Rerun, Reruns, WrapMaker};
 pub use needs::{Need, needed, needed_names, needs};

@@ -1,10 +1,11 @@
 use super::Rerun;
 use super::altered::BRAKING;
 use super::experiments::Experiments;
-use super::shown::SPARE;
 use episode::VehicleFrame;
 use road::geometry::{Vector, wrap_angle};
 
+/// Distance that is left before somebody who is not hit (m).
+pub(super) const SPARE: f64 = 1.0;
 /// Distance at which somebody suddenly stands before the bumper and is far away (m).
 const FAR: f64 = 40.0;
 /// The same, so near that every driver must react at once (m).

@@ -1,6 +1,5 @@
-use super::explain::FACULTIES;
 use super::setting::rounded;
-use super::{Cause, TurnedBy};
+use super::{Cause, FACULTIES, TurnedBy};
 use world::av::Weakness;
 
 /// What of a driver is perfect if a weakness is repaired; `None` if that is none of the faculties.

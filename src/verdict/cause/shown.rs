@@ -1,8 +1,7 @@
 use super::Change;
 use super::altered::BRAKING;
 use super::experiments::Experiments;
-use super::explain::Facts;
-use super::profile::Profile;
+use super::profile::{Profile, SPARE};
 use world::av::Weakness;
 
 /// Response times above this (s) count as a delay: two ticks of most drivers are none.
@@ -29,10 +28,20 @@ const COMPENSATED: [f64; 4] = [1.0, 1.5, 2.0, 3.0];
 const ENOUGH: (f64, f64) = (3.4, 5.0);
 /// A driver that sees less than this share of its half width on one side does not see that side.
 const BLIND: f64 = 0.75;
-/// Distance that is left before somebody who is not hit (m).
-pub(super) const SPARE: f64 = 1.0;
 /// Maximum amounts that are tried: how much earlier (s), farther to the middle, and nearer (m).
 pub(super) const MAX: (f64, f64, f64) = (3.0, 6.0, 30.0);
+
+/// What happened, in ticks of the episode.
+pub(super) struct Facts {
+    pub last: [Option<u32>; 3],
+    /// (s)
+    pub seen: f64,
+    pub reaction: Option<u32>,
+    pub braked: Option<u32>,
+    pub released: bool,
+    pub drove_off: Option<bool>,
+    pub profile: Profile,
+}
 
 /// A weakness that a driver shows in this encounter.
 pub(super) struct Shown {
