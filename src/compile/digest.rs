@@ -180,20 +180,20 @@ campaign both {
         let changed = |map: &str, changes: &[(&str, &str)]| -> Vec<bool> {
             fingerprints(map, changes).iter().zip(&base).map(|(a, b)| a != b).collect()
         };
-        // Training, old, new.
-        assert_eq!(changed(&format!("{map}<!-- resurveyed -->"), &[]), [false, true, false], "a map");
-        assert_eq!(changed(map, &[("300 m", "301 m")]), [true, false, true], "a town");
-        assert_eq!(changed(map, &[("steps: 100", "steps: 200")]), [true, false, false], "a training");
+        // Training, old, new, and the prices in both.
+        assert_eq!(changed(&format!("{map}<!-- resurveyed -->"), &[]), [false, true, false, true, false], "a map");
+        assert_eq!(changed(map, &[("300 m", "301 m")]), [true, false, true, false, true], "a town");
+        assert_eq!(changed(map, &[("steps: 100", "steps: 200")]), [true, false, false, false, false], "a training");
         assert_eq!(
             changed(map, &[("share: 0.5", "share:  0.50"), ("reward hits", "/// Pays.\nreward hits")]),
-            [false; 3],
+            [false; 5],
             "layout, help"
         );
-        assert_eq!(changed(map, &[("share: 0.5", "share: 0.6")]), [true; 3], "a driver");
-        assert_eq!(changed(map, &[("on touch => 1", "on touch => 1 + 0")]), [true; 3], "a formula");
+        assert_eq!(changed(map, &[("share: 0.5", "share: 0.6")]), [true; 5], "a driver");
+        assert_eq!(changed(map, &[("on touch => 1", "on touch => 1 + 0")]), [true, true, true, false, false], "a formula");
         assert_eq!(
             changed(map, &[("reward hits", "reward more { on touch => 2 }\nreward hits")]),
-            [false; 3],
+            [false; 5],
             "something else"
         );
     }

@@ -34,7 +34,7 @@ pub(super) struct Recording {
 impl Recording {
     /// An empty recording.
     pub fn new() -> Self {
-        let options = WriteOptions::new().library(AUTHOR);
+        let options = WriteOptions::new().compression(None).library(AUTHOR);
         Self { writer: options.create(Cursor::default()).expect(IN_MEMORY), messages: BTreeMap::new() }
     }
 

@@ -42,7 +42,7 @@ fn started(words: &[&str], bytes: &[u8]) -> Result<Option<f64>, String> {
     let mut command = Command::new(this_program().map_err(|error| not_tried(&error))?);
     command.args(words).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     // Every thread reserves addresses, so one on each core could be beyond the limit.
-    command.env("RTEN_NUM_THREADS", "1");
+    command.envs([("RTEN_NUM_THREADS", "1"), ("RAYON_NUM_THREADS", "1"), ("RUST_MIN_STACK", "1048576")]);
     // Ctrl-C is for us.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);

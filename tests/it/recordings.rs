@@ -332,6 +332,11 @@ fn damage_is_told_with_its_line_and_what_to_do() {
         assert_eq!(found["verdict"], told, "{found}");
         let output = falsify(&["judge", "trace.csv"], folder.path());
         assert!(said(&output).contains("found: line "), "{output:?}");
+        // What cannot be judged fails a gate about verdicts.
+        let gate = ["judge", "trace.csv", "--fail-if", "faults > 5"];
+        let codes = [&gate[..], &[&gate[..], &["--allow-unjudged"]].concat()]
+            .map(|words| falsify(words, folder.path()).status.code().unwrap());
+        assert_eq!(codes, if told == "cannot_tell" { [7, 0] } else { [0, 0] });
     }
     // The option that a refusal names makes the recording that of before.
     for (text, options) in [

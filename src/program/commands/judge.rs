@@ -35,7 +35,7 @@ Files:
 The frame is right-handed. Of recordings from CARLA change the signs of y and of the heading.
 A recording begins before the pedestrian is a danger. It cannot say that it was dark or wet. What is damaged in it is told with its place; an answer that rests on it is `cannot tell`.
 
---fail-if counts `encounters`, `touches`, `preventable`, `faults` and `cannot_tell`.
+--fail-if counts `encounters`, `touches`, `preventable`, `faults` and `cannot_tell`. A touch that cannot be judged fails a condition about verdicts.
 
 Exit codes: 0 it was judged   2 the file cannot be read, or is not a recording   6 a file cannot be written
   7 a condition is true";
@@ -85,6 +85,9 @@ pub struct JudgeArgs {
     /// Fail with exit code 7 if this is true, such as `preventable > 0`.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
+    /// Let touches that cannot be judged pass a condition about `preventable` or `faults`, which they fail otherwise.
+    #[arg(long, requires = "fail_if")]
+    pub allow_unjudged: bool,
     /// Print one JSON object, for programs.
     #[arg(long)]
     pub json: bool,
@@ -92,7 +95,8 @@ pub struct JudgeArgs {
 
 pub fn judge(options: &JudgeArgs) -> Ended {
     let reference = report::counted_reference();
-    let gates = options.fail_if.iter().map(|text| Gate::of_table(text, &reference));
+    let gate = |text| Gate::of_table(text, &reference).map(|gate| gate.allowing_unjudged(options.allow_unjudged));
+    let gates = options.fail_if.iter().map(gate);
     let gates = gates.collect::<Result<Vec<Gate>, _>>().map_err(|error| misused(format!("--fail-if: {error}")))?;
     let sizes =
         Sizes { length: options.length, width: options.width, radius: options.radius, full_brake: options.full_brake };

@@ -16,7 +16,10 @@ pub fn answer(found: &Findings<'_>) -> Vec<String> {
     let tested: Vec<&DriverResult> =
         found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians()).collect();
     let shown = if tested.is_empty() { found.drivers.iter().collect() } else { tested };
-    let drivers = shown.into_iter().filter(|result| result.episodes > 0).map(|result| sentence(found, result));
+    let drivers = shown
+        .into_iter()
+        .filter(|result| result.episodes > 0 || result.searched.is_some_and(|searched| searched.evaluated.1 > 0))
+        .map(|result| sentence(found, result));
     drivers.chain(KINDS.iter().flat_map(|kind| (kind.answer)(found))).collect()
 }
 
@@ -33,7 +36,9 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
     let cases = found.gathered.protocol.iter().filter(|case| case.policy == *name);
     cases.for_each(|case| tests.extend(Some(&*case.test).filter(|test| !tests.contains(test))));
     let cases = format!("cases of {}", tests.join(", "));
-    let tried = [(counts(false), "episodes"), (counts(true), &*cases)];
+    let further = result.searched.map_or((0, 0), |searched| searched.evaluated);
+    let tried =
+        [(further, "fresh episodes of what searches found"), (counts(false), "episodes"), (counts(true), &*cases)];
     let searched = result.searched.filter(|searched| searched.episodes > 0);
     let of_searches = searched.map_or(0, |searched| searched.fault as u64);
     let mut parts = Vec::new();

@@ -222,8 +222,9 @@ pub fn meetings_table(all: &[JudgedMeeting]) -> polars::prelude::DataFrame {
 struct Counts {
     encounters: usize,
     touches: usize,
-    preventable: usize,
-    faults: usize,
+    /// `None` if a touch cannot be judged.
+    preventable: Option<u64>,
+    faults: Option<u64>,
     cannot_tell: usize,
 }
 
@@ -234,10 +235,10 @@ fn counted() -> Table<'static, Counts> {
         encounters: u64 = row.encounters as u64;
         /// encounters that end in a touch
         touches: u64 = row.touches as u64;
-        /// touches that every careful driver avoids
-        preventable: u64 = row.preventable as u64;
-        /// touches that count against the driver
-        faults: u64 = row.faults as u64;
+        /// touches that every careful driver avoids; missing if a touch cannot be judged
+        preventable: u64 = row.preventable;
+        /// touches that count against the driver; missing if a touch cannot be judged
+        faults: u64 = row.faults;
         /// touches that cannot be judged
         cannot_tell: u64 = row.cannot_tell as u64;
     })
@@ -252,11 +253,14 @@ pub fn counted_reference() -> TableReference {
 pub fn counted_table(all: &[JudgedMeeting]) -> polars::prelude::DataFrame {
     let count = |is: &dyn Fn(&JudgedMeeting) -> bool| all.iter().filter(|each| is(each)).count();
     let touches = count(&|each| each.found.touch.is_some());
+    let cannot_tell = touches - count(&|each| each.told().is_some());
+    let known =
+        |is: &dyn Fn(&Verdict) -> bool| (cannot_tell == 0).then(|| count(&|each| each.told().is_some_and(is)) as u64);
     counted().frame(&[Counts {
         encounters: all.len(),
         touches,
-        preventable: count(&|each| each.told().is_some_and(Verdict::is_preventable)),
-        faults: count(&|each| each.told().is_some_and(Verdict::is_fault)),
-        cannot_tell: touches - count(&|each| each.told().is_some()),
+        preventable: known(&Verdict::is_preventable),
+        faults: known(&Verdict::is_fault),
+        cannot_tell,
     }])
 }

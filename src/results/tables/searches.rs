@@ -41,6 +41,9 @@ pub const FAULT_STARTS: &str = "fault_starts";
 /// The share of the starts from which it found a fault.
 pub const FAULT_START_RATE: &str = "fault_start_rate";
 pub const FIRST_FAULT: &str = "first_fault_ticks";
+/// Fresh episodes of the pedestrian that a search ended with, and their faults.
+pub const EVALUATED_EPISODES: &str = "evaluated_episodes";
+pub const EVALUATED_FAULTS: &str = "evaluated_faults";
 /// The avoidable injury of a thousand episodes.
 pub const INJURY: &str = "avoidable_injury_per_thousand";
 
@@ -104,8 +107,8 @@ pub(crate) const BREACH_COUNT: &str = "breaches";
 pub(crate) fn searched_drivers(searches: &DataFrame) -> PolarsResult<DataFrame> {
     let for_faults = |figure: &str| col(figure).filter(col(GOAL.name).is_null());
     let breaches = col(FAULT_COUNT).filter(col(GOAL.name).is_not_null()).sum().alias(BREACH_COUNT);
-    let sums = [FAILURE_COUNT, PREVENTABLE_COUNT, SEARCH_EPISODES].map(|count| col(count).sum());
-    let faults = [FAULT_COUNT, FAULT_STARTS].map(|count| for_faults(count).sum());
+    let sums = [FAILURE_COUNT, PREVENTABLE_COUNT, SEARCH_EPISODES, EVALUATED_EPISODES].map(|count| col(count).sum());
+    let faults = [FAULT_COUNT, FAULT_STARTS, EVALUATED_FAULTS].map(|count| for_faults(count).sum());
     let means = [col(INJURY).mean(), for_faults(FAULT_START_RATE).mean(), breaches];
     searches.clone().lazy().group_by_stable([col(DRIVER.name)]).agg([&sums[..], &faults, &means].concat()).collect()
 }

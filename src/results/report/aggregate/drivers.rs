@@ -9,8 +9,8 @@ use crate::record::columns::DRIVER;
 use crate::report::price::DriverPrice;
 use crate::tables::metrics::{AVOIDABLE_INJURY, COLLISION_RATE, EPISODES, FAULT_RATE, PREVENTABLE_RATE};
 use crate::tables::{
-    BREACH_COUNT, Cell, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE, FAULT_STARTS, INJURY, PREVENTABLE_COUNT, Row,
-    Rows, SEARCH_EPISODES, searched_drivers,
+    BREACH_COUNT, Cell, EVALUATED_EPISODES, EVALUATED_FAULTS, FAILURE_COUNT, FAULT_COUNT, FAULT_START_RATE,
+    FAULT_STARTS, INJURY, PREVENTABLE_COUNT, Row, Rows, SEARCH_EPISODES, searched_drivers,
 };
 use compile::Driver;
 
@@ -32,6 +32,8 @@ pub struct SearchFailures {
     /// The share of the starts with a fault, as the mean over the searches; `None` without any start.
     pub fault_start_rate: Option<f64>,
     pub episodes: u64,
+    /// The faults in fresh episodes of the pedestrians that searches ended with, and these episodes.
+    pub evaluated: (u64, u64),
 }
 
 impl From<&Row<String>> for SearchFailures {
@@ -46,6 +48,7 @@ impl From<&Row<String>> for SearchFailures {
             injury_per_thousand: driver.number(INJURY),
             fault_start_rate: driver.number(FAULT_START_RATE),
             episodes: driver.whole_number(SEARCH_EPISODES),
+            evaluated: (driver.whole_number(EVALUATED_FAULTS), driver.whole_number(EVALUATED_EPISODES)),
         }
     }
 }

@@ -75,9 +75,9 @@ pub fn search_table() -> Table<'static, SearchResult> {
         /// sum of the severe-injury risks of the faults, for 1,000 of `episodes`; what a careful human would have spared
         named(INJURY): f64 = injury(row);
         /// fresh episodes of the pedestrian that the search ended with, outside the budget; their starts are those of `evaluate`
-        evaluated_episodes: u64 = evaluated(row, None);
+        named(EVALUATED_EPISODES): u64 = evaluated(row, None);
         /// faults of these
-        evaluated_faults: u64 = row.is_judged().then(|| evaluated(row, Some(Blame::Fault)));
+        named(EVALUATED_FAULTS): u64 = row.is_judged().then(|| evaluated(row, Some(Blame::Fault)));
     })
 }
 
