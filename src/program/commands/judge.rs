@@ -95,7 +95,8 @@ pub struct JudgeArgs {
 
 pub fn judge(options: &JudgeArgs) -> Ended {
     let reference = report::counted_reference();
-    let gate = |text| Gate::of_table(text, &reference).map(|gate| gate.allowing_unjudged(options.allow_unjudged));
+    let gate =
+        |text: &String| Gate::of_table(text, &reference).map(|gate| gate.allowing_unjudged(options.allow_unjudged));
     let gates = options.fail_if.iter().map(gate);
     let gates = gates.collect::<Result<Vec<Gate>, _>>().map_err(|error| misused(format!("--fail-if: {error}")))?;
     let sizes =
