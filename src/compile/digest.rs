@@ -180,7 +180,7 @@ campaign both {
         let changed = |map: &str, changes: &[(&str, &str)]| -> Vec<bool> {
             fingerprints(map, changes).iter().zip(&base).map(|(a, b)| a != b).collect()
         };
-        // Training, old, new, and the prices in both.
+        // Training, old, new, and the prices in both, which are in the settings of these jobs.
         assert_eq!(changed(&format!("{map}<!-- resurveyed -->"), &[]), [false, true, false, true, false], "a map");
         assert_eq!(changed(map, &[("300 m", "301 m")]), [true, false, true, false, true], "a town");
         assert_eq!(changed(map, &[("steps: 100", "steps: 200")]), [true, false, false, false, false], "a training");
