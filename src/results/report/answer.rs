@@ -36,11 +36,13 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
     let cases = found.gathered.protocol.iter().filter(|case| case.policy == *name);
     cases.for_each(|case| tests.extend(Some(&*case.test).filter(|test| !tests.contains(test))));
     let cases = format!("cases of {}", tests.join(", "));
-    let further = result.searched.map_or((0, 0), |searched| searched.evaluated);
-    let tried =
-        [(further, "fresh episodes of what searches found"), (counts(false), "episodes"), (counts(true), &*cases)];
     let searched = result.searched.filter(|searched| searched.episodes > 0);
     let of_searches = searched.map_or(0, |searched| searched.fault as u64);
+    let (evaluated, tests) = (counts(false), counts(true));
+    // They tell what the others do not.
+    let further = result.searched.map(|searched| searched.evaluated);
+    let further = further.filter(|_| of_searches + evaluated.0 + tests.0 == 0).unwrap_or_default();
+    let tried = [(further, "fresh episodes of what searches found"), (evaluated, "episodes"), (tests, &*cases)];
     let mut parts = Vec::new();
     if let Some(searched) = searched {
         parts.push(match searched.fault {
