@@ -36,6 +36,15 @@ type TablesMaker = fn(&Findings<'_>) -> Option<Vec<(&'static str, Table)>>;
 /// Makes files of a report: their paths relative to its folder, and their contents.
 type FilesMaker = fn(&Findings<'_>, &Manifest) -> Vec<(String, Vec<u8>)>;
 
+/// A sentence about a driver.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Said {
+    pub driver: String,
+    pub text: String,
+    /// Whether the driver has a fault.
+    pub fails: bool,
+}
+
 /// A kind of job: its words, and what a report has of it.
 #[derive(Debug)]
 pub struct Kind {
@@ -60,7 +69,7 @@ pub struct Kind {
     /// Its tables in a report, with their names; `None` without results.
     pub tables: TablesMaker,
     /// What it found, in a sentence each.
-    pub answer: fn(&Findings<'_>) -> Vec<String>,
+    pub answer: fn(&Findings<'_>) -> Vec<Said>,
     /// Its section in a report, and where that stands.
     pub section: Option<(Group, SectionMaker)>,
     /// The folders of its files in a report.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::caution::CRAWLS;
 use super::{DriverResult, Findings};
-use crate::jobs::KINDS;
+use crate::jobs::{KINDS, Said};
 use crate::tables::metrics::{EPISODES, FAULT_COLLISIONS};
 use crate::tables::{APPLIED, FAULT_VIOLATIONS, REQUIREMENT};
 
@@ -16,14 +16,15 @@ pub fn answer(found: &Findings<'_>) -> Vec<String> {
     let tested: Vec<&DriverResult> =
         found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians()).collect();
     let shown = if tested.is_empty() { found.drivers.iter().collect() } else { tested };
+    let of_kinds: Vec<Said> = KINDS.iter().flat_map(|kind| (kind.answer)(found)).collect();
     let drivers = shown
         .into_iter()
         .filter(|result| result.episodes > 0 || result.searched.is_some_and(|searched| searched.evaluated.1 > 0))
-        .map(|result| sentence(found, result));
-    drivers.chain(KINDS.iter().flat_map(|kind| (kind.answer)(found))).collect()
+        .map(|result| sentence(found, result, &of_kinds));
+    drivers.chain(of_kinds.iter().map(|said| said.text.clone())).collect()
 }
 
-fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
+fn sentence(found: &Findings<'_>, result: &DriverResult, of_kinds: &[Said]) -> String {
     let name = &result.driver.name;
     // The cases of a test are no sample of episodes.
     let counts = |is_test: bool| {
@@ -70,7 +71,10 @@ fn sentence(found: &Findings<'_>, result: &DriverResult) -> String {
     parts.extend(progress.map(|progress| format!("progress {progress:.2}")));
     let needless = result.price.and_then(|price| price.needless()).filter(|(_, (low, _))| *low > STANDS);
     parts.extend(needless.map(|(share, _)| format!("brakes needlessly in {:.0} % of encounters", 100.0 * share)));
+    let fails_below = of_kinds.iter().any(|said| said.fails && said.driver == *name);
+    parts.extend(fails_below.then(|| "a fault in encounters or a box, as below".into()));
     let verdict = match progress {
+        _ if fails_below => "fails",
         _ if of_searches + tried.iter().map(|((faults, _), _)| faults).sum::<u64>() > 0 => "fails",
         Some(progress) if progress < CRAWLS => "hardly drives",
         _ if is_breaking => "breaks requirements and has no fault",
@@ -91,5 +95,10 @@ fn breaches(found: &Findings<'_>, result: &DriverResult) -> Vec<String> {
     let evaluated = counts.into_iter().filter(|(_, [breaches, _])| *breaches > 0);
     let evaluated = evaluated.map(|(name, [breaches, of])| format!("a breach of {name} in {breaches} of {of}"));
     let searched = result.searched.map(|searched| searched.breaches).filter(|breaches| *breaches > 0);
-    evaluated.chain(searched.map(|breaches| format!("{breaches} breaches in searches"))).collect()
+    evaluated
+        .chain(searched.map(|breaches| match breaches {
+            1 => "a breach in searches".into(),
+            _ => format!("{breaches} breaches in searches"),
+        }))
+        .collect()
 }

@@ -1,5 +1,6 @@
 use super::Row;
 use super::picture::pictures;
+use crate::jobs::Said;
 use crate::report::Findings;
 use crate::report::table::{Column, Place, Section, Selection, Table, Value};
 
@@ -27,9 +28,13 @@ pub fn covers(found: &Findings<'_>) -> Option<Section> {
 }
 
 /// What each cover shows.
-pub fn answer(found: &Findings<'_>) -> Vec<String> {
+pub fn answer(found: &Findings<'_>) -> Vec<Said> {
     let rows: Option<Vec<Row<'_>>> = found.finished.found_if_any();
-    let said = |row: &Row<'_>| format!("{} in {}, box {}: {}", row.0.policy, row.0.town, row.0.spawn, statement(row));
+    let said = |row: &Row<'_>| {
+        let text = format!("{} in {}, box {}: {}", row.0.policy, row.0.town, row.0.spawn, statement(row));
+        let is_of_faults = row.0.failure_name() == "fault";
+        Said { driver: row.0.policy.clone(), text, fails: is_of_faults && row.1.coverage.failures() > 0 }
+    };
     rows.iter().flatten().map(said).collect()
 }
 

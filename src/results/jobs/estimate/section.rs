@@ -1,5 +1,6 @@
 use super::picture::likelihoods;
 use super::table::doubts;
+use crate::jobs::Said;
 use crate::report::Findings;
 use crate::report::table::{Column, Place, Section, Selection, Table, Value};
 use compile::Estimation;
@@ -31,11 +32,13 @@ pub fn estimates(found: &Findings<'_>) -> Option<Section> {
 }
 
 /// What each estimate says of faults.
-pub fn answer(found: &Findings<'_>) -> Vec<String> {
+pub fn answer(found: &Findings<'_>) -> Vec<Said> {
     let said = |(job, estimate): (&Estimation, &Estimate)| {
         let Estimation { policy, pedestrian, town, requirement, .. } = job;
         let what = if requirement.is_empty() { "a fault".into() } else { format!("a breach of {requirement}") };
-        let found = match estimate.of(Blame::Fault) {
+        let faults = estimate.of(Blame::Fault);
+        let fails = faults.seen > 0 && requirement.is_empty();
+        let found = match faults {
             none if none.seen == 0 => {
                 format!(
                     "none in {} encounters; with 95 % confidence below 1 in {}",
@@ -45,7 +48,8 @@ pub fn answer(found: &Findings<'_>) -> Vec<String> {
             }
             some => format!("{}, an interval of 95 %", one_in(some)),
         };
-        format!("{policy} in {town}, {what} in an encounter with {pedestrian}: {found}")
+        let text = format!("{policy} in {town}, {what} in an encounter with {pedestrian}: {found}");
+        Said { driver: policy.clone(), text, fails }
     };
     found.finished.found().map(said).collect()
 }

@@ -94,8 +94,13 @@ fn table(results: &[&DriverResult], cells: &Cells) -> Table {
 
 fn found_by_searches(found: SearchFailures) -> String {
     let SearchFailures { episodes, all, preventable, fault, fault_starts, breaches, .. } = found;
-    let breaches = if breaches > 0 { format!(", {breaches} breaches") } else { String::new() };
-    let some = format!("{all} failures: {preventable} preventable{breaches}");
+    let breaches = match breaches {
+        0 => String::new(),
+        1 => ", 1 breach".into(),
+        _ => format!(", {breaches} breaches"),
+    };
+    let failures = if all == 1 { "failure" } else { "failures" };
+    let some = format!("{all} {failures}: {preventable} preventable{breaches}");
     match (episodes, fault, fault_starts) {
         (0, ..) => "nothing: not one episode".into(),
         (_, 1, _) => format!("{some}, 1 fault"),
