@@ -26,7 +26,7 @@ pub fn judgement_page(name: &str, all: &[JudgedMeeting]) -> String {
         header.top {
             p.kind { "falsify · judge" }
             h1 { (name) }
-            p.lead { (all.len()) " encounters of a car and a pedestrian, the worst first. Would a careful driver have avoided the touch?" }
+            p.lead { @match all.len() { 1 => "An encounter", many => { (many) " encounters, the worst first" } } ". Would a careful driver have avoided the touch?" }
             button #theme type="button" hidden { "Dark" }
             @if all.len() > MOST { p.warn { "Players of the first " (MOST) "; JSON and CSV have all." } }
         }
@@ -38,7 +38,9 @@ pub fn judgement_page(name: &str, all: &[JudgedMeeting]) -> String {
 }
 
 fn encounter(place: usize, each: &JudgedMeeting) -> Markup {
-    let mut replay = Replay::of_recording(&each.found, &judgement_lines(each).join(". "));
+    let sentence = |line: String| line[..1].to_uppercase() + &line[1..] + ".";
+    let text: Vec<String> = judgement_lines(each).into_iter().map(sentence).collect();
+    let mut replay = Replay::of_recording(&each.found, &text.join(" "));
     let ghosts = GHOSTS.iter().filter_map(|(name, _)| ghost(name, each, &replay));
     let ghosts: Vec<OtherTrack> = ghosts.collect();
     replay.others.extend(ghosts);
