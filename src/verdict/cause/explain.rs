@@ -14,6 +14,7 @@ const KEPT: f64 = 1.0;
 const DROVE_OFF: f64 = 6.0;
 /// Runs in which a driver that draws draws other numbers.
 const DRAWS: u64 = 5;
+
 /// Finds out why one of several incidents happened: if its driver cannot be copied, such as a program, in few episodes and without settings.
 pub fn explain_any(incident: &Incident) -> Option<Cause> {
     let of_program = RunLimit { max_runs: MAX_RUNS_OF_PROGRAM, ..RunLimit::default() };
@@ -197,7 +198,7 @@ impl Experiments<'_> {
 
     /// Whether the driver gives the commands of an empty road wherever the pedestrian seems to be.
     fn ignores(&mut self) -> bool {
-        let changes = [Change::Foretold, Change::Sideways(MAX.1), Change::Nearer(MAX.2), Change::Mirrored];
+        let changes = [Change::Foretold, Change::Sideways(MAX.0), Change::Nearer(MAX.1), Change::Mirrored];
         let base = self.base.clone();
         let is_same = |change| self.run(change).is_some_and(|run| Experiments::differs(&base, &run).is_none());
         changes.map(is_same) == [true; 4]

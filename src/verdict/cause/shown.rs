@@ -28,8 +28,8 @@ const COMPENSATED: [f64; 4] = [1.0, 1.5, 2.0, 3.0];
 const ENOUGH: (f64, f64) = (3.4, 5.0);
 /// A driver that sees less than this share of its half width on one side does not see that side.
 const BLIND: f64 = 0.75;
-/// Maximum amounts that are tried: how much earlier (s), farther to the middle, and nearer (m).
-pub(super) const MAX: (f64, f64, f64) = (3.0, 6.0, 30.0);
+/// Maximum amounts that are tried: how much farther to the middle, and nearer (m).
+pub(super) const MAX: (f64, f64) = (6.0, 30.0);
 
 /// What happened, in ticks of the episode.
 pub(super) struct Facts {
@@ -67,10 +67,6 @@ impl Shown {
     fn new(weakness: Weakness, amount: Option<f64>, what: impl Into<String>, repair: Repair) -> Self {
         Self { weakness, amount, what: what.into(), repair, is_certain: false }
     }
-
-    fn certain(self) -> Self {
-        Self { is_certain: true, ..self }
-    }
 }
 
 impl Experiments<'_> {
@@ -99,7 +95,8 @@ impl Experiments<'_> {
         if let Some((least, most)) = latency {
             if least <= PROMPT && (loses || most - least > FLICKER) {
                 let what = format!("somebody near, a little later: reacts in {least:.2} to {most:.2} s");
-                all.push(Shown::new(Weakness::Dropouts, None, what, Repair::Unknown).certain());
+                let shown = Shown::new(Weakness::Dropouts, None, what, Repair::Unknown);
+                all.push(Shown { is_certain: true, ..shown });
             }
             if least > PROMPT {
                 let earlier = COMPENSATED.map(|part| Change::Earlier((part * least / dt).round() as u32));
@@ -121,8 +118,8 @@ impl Experiments<'_> {
             all.push(Shown { is_certain: is_blind, ..shown });
         }
         if side.max(other) < edge {
-            let what = format!("up to {} m nearer to the middle of its way", MAX.1);
-            all.push(Shown::new(Weakness::Corridor, None, what, Repair::Least(MAX.1, Change::Sideways)));
+            let what = format!("up to {} m nearer to the middle of its way", MAX.0);
+            all.push(Shown::new(Weakness::Corridor, None, what, Repair::Least(MAX.0, Change::Sideways)));
         }
         all
     }

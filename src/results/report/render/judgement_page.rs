@@ -3,19 +3,20 @@
 use maud::{Markup, html};
 
 use super::page::{OtherTrack, PlayerCard, Replay, document};
-use super::svg::{fine, px};
+use super::svg::{Chart, Curve, Figure, short};
 use crate::failure::FailureClass;
 use crate::report::{JudgedMeeting, judgement_lines};
 use verdict::Answer;
 
 /// The drivers that drive beside the recorded car.
-const GHOSTS: [(&str, &str); 4] =
-    [("cc", "#2a9d8f"), ("fsm", "#8a63d2"), ("r157_cc", "#d08c1d"), ("r152_aeb", "#6b7a8f")];
+const GHOSTS: [&str; 4] = ["cc", "fsm", "r157_cc", "r152_aeb"];
 /// The most encounters with a player; the table has all.
 const MOST: usize = 30;
-/// Width and height of the speeds, and the room for their numbers (px).
-const SIZE: (f64, f64) = (720.0, 200.0);
-const EDGE: (f64, f64) = (36.0, 24.0);
+/// The size of the picture of speeds, and half of a mark, as a share of its width.
+const SIZE: (f64, f64) = (338.0, 210.0);
+const MARK: f64 = 0.012;
+const DIAMOND: [(f64, f64); 5] = [(-1.0, 0.0), (0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)];
+const CROSS: [(f64, f64); 5] = [(-1.0, -1.0), (1.0, 1.0), (0.0, 0.0), (-1.0, 1.0), (1.0, -1.0)];
 /// Time before and after the touch that they show (s).
 const BEFORE: f64 = 6.0;
 const AFTER: f64 = 3.0;
@@ -41,7 +42,7 @@ fn encounter(place: usize, each: &JudgedMeeting) -> Markup {
     let sentence = |line: String| line[..1].to_uppercase() + &line[1..] + ".";
     let text: Vec<String> = judgement_lines(each).into_iter().map(sentence).collect();
     let mut replay = Replay::of_recording(&each.found, &text.join(" "));
-    let ghosts = GHOSTS.iter().filter_map(|(name, _)| ghost(name, each, &replay));
+    let ghosts = GHOSTS.iter().filter_map(|name| ghost(name, each, &replay));
     let ghosts: Vec<OtherTrack> = ghosts.collect();
     replay.others.extend(ghosts);
     let label = each.told().map(|verdict| verdict.label);
@@ -57,7 +58,7 @@ fn encounter(place: usize, each: &JudgedMeeting) -> Markup {
             (card.to_html(&replay, None))
             @for finding in &each.found.findings { p.warn { (finding.to_string()) } }
             @if let (Some(answers), Some(touch)) = (each.answers(), each.found.touch) {
-                (speeds(each, touch))
+                (speeds(each, touch).to_html())
                 p { b { (answers.count()) "." } }
                 div.wide { (answers.table().to_html()) }
             }
@@ -84,62 +85,40 @@ fn begins(each: &JudgedMeeting, answer: &Answer) -> usize {
     ((touch - answer.begins) / tick).round().max(0.0) as usize
 }
 
-/// The speeds of the recorded car and of the ghosts; a circle where each notices the pedestrian, a dot where it brakes.
-fn speeds(each: &JudgedMeeting, touch: f64) -> Markup {
+/// The speeds of the recorded car and of the ghosts; a diamond where each notices the pedestrian, a cross where it brakes.
+fn speeds(each: &JudgedMeeting, touch: f64) -> Figure {
     let pair = each.found.trace.pair(&each.found.scenario, 0, 0);
     let tick = each.found.scenario.episode.tick;
-    let recorded: Vec<(f64, f64)> =
+    let x = ((touch - BEFORE).max(0.0), touch + AFTER);
+    let within = |points: &mut Vec<(f64, f64)>| points.retain(|(time, _)| (x.0..=x.1).contains(time));
+    let mut recorded: Vec<_> =
         pair.frames().enumerate().map(|(place, frame)| (place as f64 * tick, frame.ego.speed)).collect();
-    let shown = |answer: &&Answer| GHOSTS.iter().any(|(name, _)| *name == answer.driver.name);
-    let drawn: Vec<&Answer> = each.answers.iter().filter(shown).collect();
-    let from = (touch - BEFORE).max(0.0);
-    let most = recorded.iter().map(|(_, speed)| *speed).fold(1.0, f64::max) * 1.1;
-    let x = |time: f64| EDGE.0 + (time - from) / (touch + AFTER - from) * (SIZE.0 - EDGE.0 - 8.0);
-    let y = |speed: f64| SIZE.1 - EDGE.1 - speed / most * (SIZE.1 - EDGE.1 - 8.0);
-    let is_shown = |time: f64| (from..=touch + AFTER).contains(&time);
-    let line = |points: &[(f64, f64)]| {
-        let within = points.iter().filter(|(time, _)| is_shown(*time));
-        let places: Vec<String> =
-            within.map(|(time, speed)| format!("{},{}", fine(x(*time)), fine(y(*speed)))).collect();
-        places.join(" ")
-    };
-    let way = |answer: &Answer| -> Vec<(f64, f64)> {
-        let start = touch - answer.begins;
-        answer.poses.iter().enumerate().map(|(place, (_, speed))| (start + place as f64 * tick, *speed)).collect()
-    };
-    let at = |points: &[(f64, f64)], time: f64| {
-        points
-            .iter()
-            .min_by(|one, other| (one.0 - time).abs().total_cmp(&(other.0 - time).abs()))
-            .map_or(0.0, |point| point.1)
-    };
-    html! {
-        figure {
-            svg viewBox={ "0 0 " (SIZE.0) " " (SIZE.1) } role="img" aria-label="Speeds over time" {
-                @for part in 0..=4 {
-                    @let (speed, time) = (most * f64::from(part) / 4.0, from + (touch + AFTER - from) * f64::from(part) / 4.0);
-                    text.muted x="0" y=(px(y(speed) + 4.0)) font-size="11" { (format!("{speed:.1}")) }
-                    text.muted x=(px((x(time) - 10.0).min(SIZE.0 - 36.0))) y=(px(SIZE.1 - 6.0)) font-size="11" { (format!("{time:.1} s")) }
-                }
-                path d={ "M" (px(x(touch))) " 8V" (px(y(0.0))) } stroke="#c0392b" stroke-dasharray="4 3" {}
-                polyline points=(line(&recorded)) fill="none" stroke="currentColor" stroke-width="2" {}
-                @for answer in &drawn {
-                    @let colour = GHOSTS.iter().find(|(name, _)| *name == answer.driver.name).map_or("", |(_, colour)| colour);
-                    @let points = way(answer);
-                    polyline points=(line(&points)) fill="none" stroke=(colour) stroke-width="1.5" {}
-                    @if let Some(time) = answer.trigger.map(|before| touch - before).filter(|time| is_shown(*time)) {
-                        circle cx=(px(x(time))) cy=(px(y(at(&points, time)))) r="4" fill="none" stroke=(colour) {}
-                    }
-                    @if let Some(time) = answer.brake.map(|before| touch - before).filter(|time| is_shown(*time)) {
-                        circle cx=(px(x(time))) cy=(px(y(at(&points, time)))) r="3.5" fill=(colour) {}
-                    }
-                }
-            }
-            figcaption {
-                "Speed (m/s) of the recorded car and of "
-                @for (name, colour) in GHOSTS { span style={ "color:" (colour) } { (name) } " " }
-                "(circle: notices the pedestrian, dot: brakes, dashes: the touch)"
-            }
-        }
+    within(&mut recorded);
+    let most = 1.1 * recorded.iter().map(|(_, speed)| *speed).fold(1.0, f64::max);
+    let mut curves = vec![Curve { thin: true, points: vec![(touch, 0.0), (touch, most)], ..Curve::default() }];
+    for (place, name) in GHOSTS.iter().enumerate() {
+        let Some(answer) = each.answers.iter().find(|answer| answer.driver.name == *name) else { continue };
+        let time = |place: usize| touch - answer.begins + place as f64 * tick;
+        let mut way: Vec<_> =
+            answer.poses.iter().enumerate().map(|(place, (_, speed))| (time(place), *speed)).collect();
+        within(&mut way);
+        let mark = |before: Option<f64>, shape: [(f64, f64); 5]| {
+            let at = touch - before?;
+            let (_, speed) = way.iter().find(|(time, _)| *time >= at - tick / 2.0)?;
+            Some(shape.map(|(right, up)| (at + right * MARK * (x.1 - x.0), speed + up * 1.6 * MARK * most)).to_vec())
+        };
+        let marks = [mark(answer.trigger, DIAMOND), mark(answer.brake, CROSS)].into_iter().flatten();
+        let points: Vec<_> = marks.chain([way.clone()]).collect();
+        curves.extend(points.into_iter().map(|points| Curve { colour: place + 1, points, ..Curve::default() }));
+    }
+    curves.push(Curve { points: recorded, ..Curve::default() });
+    let chart = Chart { size: SIZE, x, y: (0.0, most), x_label: "time (s)".into(), y_text: short, x_text: short };
+    let names = std::iter::once("recorded").chain(GHOSTS);
+    Figure {
+        title: "Speeds (m/s) of the recorded car and of four drivers.".into(),
+        notes: vec!["Diamond: notices the pedestrian. Cross: brakes. Thin line: the touch.".into()],
+        legend: names.enumerate().map(|(place, name)| (format!("s{place}"), name.into())).collect(),
+        panels: vec![chart.panel("Speeds".into(), "Speeds over time".into(), &curves)],
+        ..Figure::default()
     }
 }
