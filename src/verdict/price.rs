@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use base::seed::Seed;
 use episode::walker::Natural;
-use episode::{Outcome, Scenario, Trace, evaluate_observed};
+use episode::{LeftOut, Outcome, Scenario, Trace, evaluate_observed};
 use world::sim::ActorId;
 
 /// A pedestrian whom the car passes with this gap (m) has nothing to do with it.
@@ -89,8 +89,9 @@ impl Price {
     fn add(&mut self, scenario: &Scenario, met: &Drive, alone: &Drive, free: &Drive) {
         let drives = [met, alone, free].map(|drive| &drive.outcome);
         self.errors += drives.iter().filter(|outcome| outcome.fault().is_some()).count() as u64;
-        // A car that leaves the road, or drives past its end, has no way that counts.
-        if drives.iter().any(|outcome| outcome.fault().is_some()) || !alone.outcome.counts() || !free.outcome.counts() {
+        // A car that leaves the road, or drives past its end, has no way that counts. One that is too slow for its run-up begins at rest.
+        let is_lost = |outcome: &Outcome| matches!(outcome.left_out, Some(LeftOut::OffRoad | LeftOut::RoadEnd));
+        if drives.iter().any(|outcome| outcome.fault().is_some()) || is_lost(&alone.outcome) || is_lost(&free.outcome) {
             return;
         }
         // Over the time that both drive.

@@ -17,7 +17,7 @@ use results::report::{
 };
 
 /// Maximum number of failures in each list for people.
-pub const MAX_SHOWN: usize = 10;
+const MAX_SHOWN: usize = 3;
 /// Maximum number of changes that a page plays.
 const MAX_PLAYED: usize = 12;
 
@@ -96,10 +96,7 @@ pub fn compare(options: &CompareArgs) -> Ended {
     };
     let comparison = compared(&reports, [drivers.as_ref(), worlds.as_ref()]).map_err(failed)?;
     match options.format {
-        Form::Text => {
-            let text = report::change_text(&report::comparison_report(&comparison), MAX_SHOWN, console::width());
-            console::say(console::broken(&text, console::width()).trim_end());
-        }
+        Form::Text => console::say(&text(&comparison)),
         Form::Json => console::say(&as_json(&comparison).to_string()),
     }
     if let Some(path) = &options.page {
@@ -108,6 +105,13 @@ pub fn compare(options: &CompareArgs) -> Ended {
     let failed = judge(&conditions, &comparison)?;
     tell_causes(&failed, &comparison, &options.repeat);
     Ok(ExitCode::of_gate(failed.is_empty()))
+}
+
+/// What people read in a terminal.
+pub fn text(comparison: &ReportComparison) -> String {
+    let width = console::width();
+    let text = report::change_text(&report::comparison_report(comparison), MAX_SHOWN, width);
+    console::broken(&text, width).trim_end().into()
 }
 
 /// Says why the worst failures happened that are new or have become faults in rows that failed a gate.

@@ -26,7 +26,7 @@ use results::report::{
 use verdict::cause::explain_any;
 
 /// Maximum number of encounters in each list for people.
-const MAX_SHOWN: usize = 10;
+const MAX_SHOWN: usize = 3;
 
 /// Starts in each town of the fixed list.
 const STARTS: u32 = 20;

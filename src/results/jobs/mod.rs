@@ -117,7 +117,7 @@ pub trait Work: Planned {
 
     /// All its names; no other job of its campaign has the same.
     fn what(&self) -> String {
-        format!("{}{}", self.title(), in_block(self.origin().block))
+        format!("{}{}", self.title(), in_block(self.kind().name, self.origin().block))
     }
 
     /// Runs a part of it, stores it as far as it has ended, and reports [`Part::begin`] and [`Part::progress`]; `None` if the user asks to stop before there is any result.

@@ -31,9 +31,9 @@ pub fn in_world(town: &str, world: &str) -> String {
     if ["", HERE].contains(&world) { town.into() } else { format!("{town} ({world})") }
 }
 
-/// `, block 2` of the block with this number; nothing of the first.
-pub fn in_block(block: u32) -> String {
-    if block == 0 { String::new() } else { format!(", block {block}") }
+/// `, evaluate 2` of the second block of a kind, which has number 1; nothing of the first.
+pub fn in_block(kind: &str, number: u32) -> String {
+    if number == 0 { String::new() } else { format!(", {kind} {}", number + 1) }
 }
 
 impl CellKey {
@@ -110,7 +110,7 @@ impl CellKey {
 
     /// The full key in words: controller, town and driver, then vehicle, adversary, and which `evaluate` block if it is not the first.
     pub fn in_full(&self) -> String {
-        format!("{self}, {}, {}{}", self.vehicle, self.adversary, in_block(self.block))
+        format!("{self}, {}, {}{}", self.vehicle, self.adversary, in_block("evaluate", self.block))
     }
 }
 

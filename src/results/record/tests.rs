@@ -166,7 +166,7 @@ fn tables_with_one_wrong_byte_are_read_or_refused() {
 fn a_key_is_told_in_words() {
     let mut key = key();
     assert_eq!(key.to_string(), "trained r1 (village, blind) in harbour against idm, run 3");
-    assert_eq!(key.cell.in_full(), "trained r1 (village, blind) in harbour against idm, v, w, block 2");
+    assert_eq!(key.cell.in_full(), "trained r1 (village, blind) in harbour against idm, v, w, evaluate 3");
     let there = CellKey { world: "metadrive".into(), ..key.cell.clone() };
     assert_eq!(there.to_string(), format!("{} in metadrive", key.cell));
     (key.cell.train_town, key.cell.train_policy) = Default::default();

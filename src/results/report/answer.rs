@@ -11,20 +11,54 @@ use crate::tables::{APPLIED, FAULT_VIOLATIONS, REQUIREMENT};
 /// Above this share of encounters, surely, needless braking is a part of the answer.
 const STANDS: f64 = 0.05;
 
-/// A sentence about each driver under test, in the order of the report, or about the baselines if there is no other; then those of kinds of jobs.
+/// Maximum number of drivers with a sentence each.
+const MAX_DRIVERS: usize = 3;
+
+/// A sentence about each driver under test, in the order of the report, or about the baselines if there is no other; then those of kinds of jobs. Of many drivers the worst
+/// have a sentence, and the others share one.
 pub fn answer(found: &Findings<'_>) -> Vec<String> {
     let tested: Vec<&DriverResult> =
         found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians()).collect();
     let shown = if tested.is_empty() { found.drivers.iter().collect() } else { tested };
     let of_kinds: Vec<Said> = KINDS.iter().flat_map(|kind| (kind.answer)(found)).collect();
-    let drivers = shown
+    let tried = shown
         .into_iter()
-        .filter(|result| result.episodes > 0 || result.searched.is_some_and(|searched| searched.evaluated.1 > 0))
-        .map(|result| sentence(found, result, &of_kinds));
-    drivers.chain(of_kinds.iter().map(|said| said.text.clone())).collect()
+        .filter(|result| result.episodes > 0 || result.searched.is_some_and(|searched| searched.evaluated.1 > 0));
+    let mut told: Vec<DriverAnswer> = tried.map(|result| told(found, result, &of_kinds)).collect();
+    let is_many = told.len() > MAX_DRIVERS;
+    let (fail, good): (Vec<_>, Vec<_>) = told.drain(..).partition(|driver| driver.verdict == FAILS || !is_many);
+    let sentence = |driver: &DriverAnswer| format!("{} {}: {}", driver.name, driver.verdict, driver.parts.join("; "));
+    let (shown, further) = fail.split_at(if is_many { MAX_DRIVERS.min(fail.len()) } else { fail.len() });
+    let names: Vec<&str> = further.iter().map(|driver| driver.name).collect();
+    let further = (!names.is_empty()).then(|| match names.as_slice() { [one] => format!("{one} fails, too"), all => format!("{} fail, too", all.join(", ")) });
+    let others: Vec<String> = good.iter().map(DriverAnswer::in_brief).collect();
+    let others = (!others.is_empty()).then(|| format!("No fault was found of {}", others.join(", ")));
+    let of_drivers = shown.iter().map(sentence).chain(further).chain(others);
+    of_drivers.chain(of_kinds.iter().map(|said| said.text.clone())).collect()
 }
 
-fn sentence(found: &Findings<'_>, result: &DriverResult, of_kinds: &[Said]) -> String {
+const FAILS: &str = "fails";
+
+/// What is said of a driver.
+struct DriverAnswer<'a> {
+    name: &'a str,
+    verdict: &'static str,
+    parts: Vec<String>,
+    /// What makes that it has no fault worth less; empty if there is nothing.
+    but: Vec<String>,
+    episodes: u64,
+}
+
+impl DriverAnswer<'_> {
+    /// A driver without a fault, among others.
+    fn in_brief(&self) -> String {
+        let but: Vec<&str> = self.but.iter().map(String::as_str).collect();
+        let episodes = format!("{} episodes", self.episodes);
+        format!("{} ({})", self.name, std::iter::once(&*episodes).chain(but).collect::<Vec<_>>().join("; "))
+    }
+}
+
+fn told<'a>(found: &Findings<'_>, result: &'a DriverResult, of_kinds: &[Said]) -> DriverAnswer<'a> {
     let name = &result.driver.name;
     // The cases of a test are no sample of episodes.
     let counts = |is_test: bool| {
@@ -66,21 +100,24 @@ fn sentence(found: &Findings<'_>, result: &DriverResult, of_kinds: &[Said]) -> S
     parts.extend(worst);
     let breached = breaches(found, result);
     let is_breaking = !breached.is_empty();
-    parts.extend(breached);
     let progress = result.price.map(|price| price.progress);
-    parts.extend(progress.map(|progress| format!("progress {progress:.2}")));
+    let is_crawling = progress.is_some_and(|progress| progress < CRAWLS);
     let needless = result.price.and_then(|price| price.needless()).filter(|(_, (low, _))| *low > STANDS);
-    parts.extend(needless.map(|(share, _)| format!("brakes needlessly in {:.0} % of encounters", 100.0 * share)));
+    let needless = needless.map(|(share, _)| format!("brakes needlessly in {:.0} % of encounters", 100.0 * share));
+    let told_progress = progress.map(|progress| format!("progress {progress:.2}"));
+    let crawls = told_progress.clone().filter(|_| is_crawling).map(|progress| format!("hardly drives, {progress}"));
+    let but = breached.iter().cloned().chain(crawls).chain(needless.clone()).collect();
+    parts.extend(breached.into_iter().chain(told_progress).chain(needless));
     let fails_below = of_kinds.iter().any(|said| said.fails && said.driver == *name);
     parts.extend(fails_below.then(|| "a fault in encounters or a box, as below".into()));
     let verdict = match progress {
-        _ if fails_below => "fails",
-        _ if of_searches + tried.iter().map(|((faults, _), _)| faults).sum::<u64>() > 0 => "fails",
-        Some(progress) if progress < CRAWLS => "hardly drives",
+        _ if fails_below || of_searches + tried.iter().map(|((faults, _), _)| faults).sum::<u64>() > 0 => FAILS,
+        Some(_) if is_crawling => "hardly drives",
         _ if is_breaking => "breaks requirements and has no fault",
         _ => "has no fault",
     };
-    format!("{name} {verdict}: {}", parts.join("; "))
+    let episodes = searched.map_or(0, |searched| searched.episodes) + tried.iter().map(|((_, of), _)| of).sum::<u64>();
+    DriverAnswer { name, verdict, parts, but, episodes }
 }
 
 /// The breaches of each requirement that has some, and those that searches for them found.

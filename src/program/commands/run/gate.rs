@@ -72,12 +72,11 @@ impl GateArgs {
         let against = |report: &CampaignReport| -> Ended {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };
             let comparison = compare::compared(&[before, report.folder.clone()], [None; 2]).map_err(failed)?;
-            let text =
-                report::change_text(&report::comparison_report(&comparison), compare::MAX_SHOWN, console::width());
+            let text = compare::text(&comparison);
             match output {
-                Output::Human => console::say(text.trim_end()),
+                Output::Human => console::say(&text),
                 // The output has events only.
-                Output::Json => console::note(text.trim_end()),
+                Output::Json => console::note(&text),
             }
             let failed = compare::judge(&conditions, &comparison)?;
             let allow_external = report.manifest.call.allow_external;

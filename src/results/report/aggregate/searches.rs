@@ -175,7 +175,7 @@ impl Row<SearchKey> {
     /// Its name, for people.
     pub fn in_full(&self) -> String {
         let key = &self.key;
-        format!("{}{} in {} against {}", key.falsifier, in_block(key.block), key.town, key.policy)
+        format!("{}{} in {} against {}", key.falsifier, in_block("search", key.block), key.town, key.policy)
     }
 }
 

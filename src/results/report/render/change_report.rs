@@ -23,6 +23,8 @@ const SAME: &str = "same";
 pub struct ChangeReport {
     /// What the driver before and the driver after come from.
     pub sides: [String; 2],
+    /// The drivers that all rows are about, which then need not say so; empty if they differ.
+    pub subject: String,
     /// What a reader must know.
     pub notes: Vec<String>,
     /// The result in a sentence or two.
@@ -74,8 +76,9 @@ pub fn change_text(report: &ChangeReport, shown: usize, width: u16) -> String {
                 text.push_str(&format!("\n{title}: {}; `--page FILE` lists them\n", all.len()));
                 continue;
             }
-            text.push_str(&format!("\n{title}: {}, the worst first\n", all.len()));
-            text.push_str(&list(&all[..all.len().min(shown)]).to_terminal(width));
+            let rest = if all.len() > shown { ": `--page FILE` has all" } else { "" };
+            text.push_str(&format!("\n{title}: {}, the worst first{rest}\n", all.len()));
+            text.push_str(&list(&all[..all.len().min(shown)], &report.subject).to_terminal(width));
         }
     }
     text
@@ -97,8 +100,16 @@ impl ChangeSection {
     }
 }
 
-/// Changes with the names of both episodes, or with the one that a recheck has; without kinds where none is known.
-fn list(changes: &[&FailureChange]) -> Table {
+/// A place without the drivers that all rows are about.
+pub fn without(subject: &str, place: &str) -> String {
+    match subject {
+        "" => place.into(),
+        _ => place.replacen(&format!("{subject} in "), "", 1).replacen(&format!(", {subject}, "), ", ", 1),
+    }
+}
+
+/// Changes with the names of both episodes, or with the one that a recheck has; without kinds where none is known, and without the drivers that all are about.
+fn list(changes: &[&FailureChange], subject: &str) -> Table {
     let is_renamed = changes.iter().any(|change| change.sides[0].name != change.sides[1].name);
     let has_kind = changes.iter().any(|change| !change.collision().kind.is_empty());
     let mut head = vec![Column::text(if is_renamed { "after" } else { "episode" })];
@@ -112,7 +123,7 @@ fn list(changes: &[&FailureChange]) -> Table {
         let speed = |side: &SideEnd| Value::number(side.collision.as_ref().map(|found| found.impact_speed), 1);
         let mut row = vec![Value::code(after.name.clone())];
         row.extend(is_renamed.then(|| Value::code(before.name.clone())));
-        row.extend([change.verdict().into(), speed(before), speed(after), change.place.clone().into()]);
+        row.extend([change.verdict().into(), speed(before), speed(after), without(subject, &change.place).into()]);
         row.extend(has_kind.then(|| change.collision().kind.clone().into()));
         row
     };
@@ -150,7 +161,7 @@ pub fn change_page(report: &ChangeReport, pairs: &[PlayedPair]) -> String {
                             @for (title, all) in section.lists() {
                                 details.all {
                                     summary { (title) ": " (all.len()) ", the worst first" }
-                                    div.wide { (list(&all[..all.len().min(MAX_LISTED)]).to_html()) }
+                                    div.wide { (list(&all[..all.len().min(MAX_LISTED)], &report.subject).to_html()) }
                                 }
                             }
                         }

@@ -1,6 +1,6 @@
 //! What a comparison of two sides found.
 
-use super::change_report::{ChangeReport, ChangeSection};
+use super::change_report::{ChangeReport, ChangeSection, without};
 use super::table::{Column, Table, Value};
 use crate::report::compare::drivers;
 use crate::report::{ComparedCell, ComparedSearch, CountedEvent, FailureChange, PairedRate, ReportComparison};
@@ -22,9 +22,10 @@ const LEGEND_OF_REQUIREMENTS: &str =
 /// The result of a comparison.
 pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
     let [before, after] = &comparison.folders;
+    let subject = subject(comparison);
     let mut sections: Vec<ChangeSection> = Vec::new();
     sections.extend(comparison.cells.iter().map(|cell| ChangeSection {
-        heading: format!("{}: {}", cell.title(), common_starts(cell)),
+        heading: format!("{}: {}", without(&subject, &cell.title()), common_starts(cell)),
         tables: Vec::from_iter((!cell.rates.is_empty()).then(|| rates(&comparison.events, cell))),
         is_unchanged: is_unchanged(cell),
         ..ChangeSection::default()
@@ -71,7 +72,8 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
         });
     }
     ChangeReport {
-        sides: [before, after].map(|folder| folder.display().to_string()),
+        sides: sides(comparison),
+        subject,
         notes: comparison.caveats.iter().map(ToString::to_string).collect(),
         lead: [answer(comparison), headline(comparison)]
             .into_iter()
@@ -80,6 +82,27 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
             .collect(),
         sections,
     }
+}
+
+/// The drivers of all rows; empty if they differ.
+fn subject(comparison: &ReportComparison) -> String {
+    let cells = comparison.cells.iter().map(|cell| drivers(&cell.keys.each_ref().map(|key| key.policy.clone())));
+    let mut all = cells.chain(comparison.searches.iter().map(|search| drivers(&search.policies)));
+    let first = all.next().unwrap_or_default();
+    if all.all(|other| other == first) { first } else { String::new() }
+}
+
+/// The reports, and what differs where they are one.
+fn sides(comparison: &ReportComparison) -> [String; 2] {
+    let keys = comparison.cells.first().filter(|_| comparison.folders[0] == comparison.folders[1]).map(|cell| &cell.keys);
+    std::array::from_fn(|side| {
+        let folder = comparison.folders[side].display();
+        match keys {
+            Some(keys) if keys[0].policy != keys[1].policy => format!("{folder}: {}", keys[side].policy),
+            Some(keys) => format!("{folder}: {}", keys[side].simulator()),
+            None => folder.to_string(),
+        }
+    })
 }
 
 /// Whether a cell was compared, and nothing that is counted is new or fixed.
@@ -250,7 +273,13 @@ fn rates(events: &[CountedEvent], cell: &ComparedCell) -> Table {
             Value::Count(rate.changed.fixed),
         ]
     };
-    Table { head, rows: events.iter().zip(&cell.rates).map(row).collect(), ..Table::default() }
+    // Of what nobody asks first a row says only that it changed.
+    let is_told = |(event, rate): &(&CountedEvent, &Option<PairedRate>)| {
+        let is_asked = event.requirement.is_some() || ANSWER.iter().any(|(metric, _)| event.figure == *metric);
+        is_asked || rate.as_ref().is_none_or(|rate| !rate.changed.is_same())
+    };
+    let rows = events.iter().zip(&cell.rates).filter(is_told).map(row).collect();
+    Table { head, rows, ..Table::default() }
 }
 
 /// A difference with its interval; without one that of each run, if there are several.

@@ -40,6 +40,7 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
             recheck.report.display().to_string(),
             if files.is_empty() { "the files as they are now".into() } else { files.join(" ") },
         ],
+        subject: String::new(),
         notes: recheck.notes.iter().map(ToString::to_string).collect(),
         lead: answer(recheck, &list).into_iter().chain([counted(recheck, &list)]).collect(),
         sections: std::iter::once(met).chain(crossed).collect(),

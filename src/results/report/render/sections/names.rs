@@ -47,5 +47,5 @@ pub fn place(cell: &Cell, cells: &Cells) -> String {
     if varied.world {
         let _ = write!(text, ", {}", cell.key.world);
     }
-    text + &in_block(cell.key.block)
+    text + &in_block("evaluate", cell.key.block)
 }

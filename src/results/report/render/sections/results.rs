@@ -69,9 +69,9 @@ fn pedestrians(found: &Findings<'_>) -> Vec<String> {
         let fault = |cell: &Cell| Value::spread(cell, &FAULT_RATE);
         let rate = |cell: &&Cell| format!("{} {}", who(cell, &found.cells), fault(cell));
         let rates: Vec<String> = members.iter().filter(|cell| cell.count(&FAULT_COLLISIONS) > 0).map(rate).collect();
-        let rates = rates.join("; ");
-        let of = if rates.contains('±') { " (± over trainings)" } else { "" };
-        (members.len() > 1 && !rates.is_empty()).then(|| format!("faults in {name}: {rates}{of}"))
+        let of = if rates.iter().any(|rate| rate.contains('±')) { " (± over trainings)" } else { "" };
+        // One pedestrian with faults is in the drivers' table.
+        (rates.len() > 1).then(|| format!("faults in {name}: {}{of}", rates.join("; ")))
     };
     worst.filter_map(line).collect()
 }

@@ -88,7 +88,7 @@ fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
 pub fn who(cell: &SearchCell) -> String {
     let (key, goal) = (&cell.key, cell.text(&GOAL));
     let goal = if goal.is_empty() { goal } else { format!(", goal {goal}") };
-    format!("{}{}{goal}", key.falsifier, in_block(key.block))
+    format!("{}{}{goal}", key.falsifier, in_block("search", key.block))
 }
 
 /// The starts from which a failure was found, of those from which the falsifier searched.
