@@ -24,7 +24,7 @@ mod evaluate;
 mod unbraked;
 mod recorded;
 
-pub use evaluate::{evaluate, evaluate_observed};
+pub use evaluate::{Policies, evaluate, evaluate_in_batch, evaluate_observed};
 pub use play::{advance, place, play};
 pub use recorded::{Recorded, follow, recorded_commands, walk_again};
 pub use scenario::{

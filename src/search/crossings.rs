@@ -3,14 +3,13 @@ use std::sync::Arc;
 
 use super::{Crossing, Goal};
 use base::seed::Seed;
-use episode::walker::FaultStreak;
-use episode::{Draw, Observer, Outcome, Scenario, Simulation, Trace, evaluate_observed, play};
+use episode::walker::{FaultStreak, WalkPolicy};
+use episode::{Draw, Observer, Outcome, Policies, Scenario, Simulation, Trace, evaluate_in_batch, play};
 
 /// Evaluates every one of these crossings from each of these starts, and returns what `note` makes of each episode: start by start, the
 /// crossings in their order. Start *k* depends only on the seed and on *k*.
 ///
-/// The run-up of a start is driven once where the drivers can be copied, and a driver that is faster in a batch meets one crossing from
-/// several starts at once. That changes no outcome. An episode without a result is one that was not run, since the driver or the
+/// The run-up of a start is driven once where the drivers can be copied, and a driver that is faster in a batch meets several crossings at once. That changes no outcome. An episode without a result is one that was not run, since the driver or the
 /// controller had failed as a program in ten episodes in a row, or `observer`, which is called after each, broke.
 pub fn evaluate_crossings<T>(
     goals: &[Goal],
@@ -20,24 +19,16 @@ pub fn evaluate_crossings<T>(
     note: &mut dyn FnMut(&Outcome, &Trace) -> T,
     observer: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Vec<Option<T>> {
-    let mut simulation = scenario.simulation();
-    let mut notes: Vec<Option<T>> = (0..starts.len() * goals.len()).map(|_| None).collect();
-    if simulation.batch_size() > 1 {
-        for (place, goal) in goals.iter().enumerate() {
-            let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| note(outcome, trace);
-            let mut crossing = Crossing::new(*goal);
-            let noted =
-                evaluate_observed(&mut crossing, scenario, starts.clone(), &seed, &seed, note, &mut |_| observer());
-            let (reached, all) = (noted.len(), starts.len());
-            for (start, noted) in noted.into_iter().enumerate() {
-                notes[start * goals.len() + place] = Some(noted);
-            }
-            if reached < all {
-                break;
-            }
-        }
+    let episodes = starts.len() * goals.len();
+    let walker = |place: u64| -> Box<dyn WalkPolicy> { Box::new(Crossing::new(goals[place as usize])) };
+    let crossings: Policies<'_> = (&walker, goals.len() as u64);
+    if let Some(noted) = evaluate_in_batch(crossings, scenario, starts.clone(), &seed, note, &mut |_| observer()) {
+        let mut notes: Vec<Option<T>> = noted.into_iter().map(Some).collect();
+        notes.resize_with(episodes, || None);
         return notes;
     }
+    let mut simulation = scenario.simulation();
+    let mut notes: Vec<Option<T>> = (0..episodes).map(|_| None).collect();
     let mut trace = Trace::new(scenario);
     let mut slots = notes.iter_mut();
     let mut faults = FaultStreak::default();

@@ -29,7 +29,7 @@ impl Counting {
         let bars = showing == Showing::Bars || showing == Showing::Auto && terminal;
         let lines = showing == Showing::Lines || showing == Showing::Auto && !terminal;
         let bar = bars.then(|| {
-            let form = "{prefix:.bold} {bar:16.green/black.bright} {human_pos}/{human_len}, {elapsed_precise} elapsed";
+            let form = "{prefix:.bold} {bar:16.green/black.bright} {human_pos}/{human_len}, {elapsed_precise} elapsed, {eta_precise} left";
             let style = ProgressStyle::with_template(form).expect("the template is fixed").progress_chars("━╸─");
             let bar = ProgressBar::with_draw_target(Some(all), ProgressDrawTarget::stderr_with_hz(5));
             bar.set_style(style);
@@ -56,13 +56,23 @@ impl Counting {
             self.last = Instant::now();
             let took = self.began.elapsed().as_secs_f64();
             console::note(&format!(
-                "{}: {} of {} ({took:.1} s)",
+                "{}: {} of {} ({took:.1} s{})",
                 self.doing,
                 HumanCount(self.done),
-                HumanCount(self.all)
+                HumanCount(self.all),
+                left(took, self.done, self.all)
             ));
             self.lines = !is_over;
         }
+    }
+}
+
+/// How long the rest takes at the pace so far; empty where nothing is left or known.
+fn left(took: f64, done: u64, all: u64) -> String {
+    match done {
+        0 => String::new(),
+        done if done >= all => String::new(),
+        done => format!(", {:.0} s left", took * (all - done) as f64 / done as f64),
     }
 }
 

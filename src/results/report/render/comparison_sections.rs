@@ -99,8 +99,8 @@ fn sides(comparison: &ReportComparison) -> [String; 2] {
         let folder = comparison.folders[side].display();
         match keys {
             Some(keys) if keys[0].policy != keys[1].policy => format!("{folder}: {}", keys[side].policy),
-            Some(keys) => format!("{folder}: {}", keys[side].simulator()),
-            None => folder.to_string(),
+            Some(keys) if keys[0].world != keys[1].world => format!("{folder}: {}", keys[side].simulator()),
+            _ => folder.to_string(),
         }
     })
 }
