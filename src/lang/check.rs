@@ -281,7 +281,11 @@ impl<'f> Checker<'_, '_, 'f> {
         };
         let is_left = |known: &&str| !is_given(known) && !misspelt.contains(*known);
         let left: Vec<&str> = signature.params.iter().map(|p| p.name).filter(is_left).collect();
-        let unknown = diagnostics::unknown_key(key.span, signature.name, &key.text, &left);
+        let mut unknown = diagnostics::unknown_key(key.span, signature.name, &key.text, &left);
+        if let Some(ours) = diagnostics::ours(&key.text).filter(|ours| is_given(ours)) {
+            unknown.help.clear();
+            unknown = unknown.here(format!("`{ours}` says it already"));
+        }
         misspelt.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
         self.diagnostics.push(unknown);
     }

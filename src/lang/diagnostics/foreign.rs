@@ -10,6 +10,10 @@ pub fn explain_foreign(diagnostics: &mut [Diagnostic], sources: &Sources) {
     for said in diagnostics.iter_mut().filter(|said| CODES.contains(&said.code)) {
         let span = said.primary.span;
         let advice = advice(&sources.get(span.source).text, span.start, span.end);
+        // The keys of a block do not help with half a number.
+        if advice.is_some() && said.code == "bare-argument" {
+            said.help.clear();
+        }
         said.help.extend(advice);
     }
 }

@@ -71,6 +71,11 @@ const ELSEWHERE: [(&str, &str); 10] = [
     ("net_arch", "hidden"),
 ];
 
+/// Our word for one of another program's.
+pub(crate) fn ours(word: &str) -> Option<&'static str> {
+    ELSEWHERE.iter().find(|(name, _)| *name == word).map(|(_, ours)| *ours)
+}
+
 /// The known word that other programs call so, or the only one that begins with a word and goes on with another.
 fn elsewhere<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let find = |name: &str| known.iter().copied().find(|known| *known == name);
@@ -78,7 +83,7 @@ fn elsewhere<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
         let mut begun = known.iter().filter(|known| known.strip_prefix(word).is_some_and(|rest| rest.starts_with('_')));
         begun.next().copied().filter(|_| begun.next().is_none() && word.len() > 2)
     };
-    ELSEWHERE.iter().find(|(name, _)| *name == word).and_then(|(_, ours)| find(ours)).or_else(longer)
+    ours(word).and_then(find).or_else(longer)
 }
 
 /// Advice on an unknown word.

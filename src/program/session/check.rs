@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::disk::{ReadFiles, Recording};
-use super::{Error, Event, Input, Session};
+use super::{Error, Event, Input, Notice, Session};
 use base::diagnostic::{Severity, Sources};
 use compile::{Catalog, Compiled, Overrides, Plan, compile_with};
 use lang::{Reader, library};
@@ -71,8 +71,23 @@ impl Session {
     /// # Errors
     /// [`Error::Unreadable`], [`Error::Scenario`] and [`Error::UnusedMap`].
     pub fn plan(&self, input: &Input) -> Result<Planned, Error> {
+        self.plan_unless_told(input, &|_, _| false)
+    }
+
+    /// [`Session::plan`] for a run whose warnings may have been told: then the observer gets their number.
+    pub(crate) fn plan_unless_told(
+        &self,
+        input: &Input,
+        is_told: &dyn Fn(&Plan, &[FileRecord]) -> bool,
+    ) -> Result<Planned, Error> {
         let checked = self.compile(&self.catalog, self.reader.as_ref(), input, input.overrides())?;
-        self.tell(Event::Diagnostics(&checked.compiled.diagnostics, &checked.sources));
+        let diagnostics = &checked.compiled.diagnostics;
+        let is_told = !diagnostics.is_empty() && checked.plan().is_ok_and(|plan| is_told(plan, &checked.records));
+        if is_told {
+            self.notice(&Notice::ToldBefore { warnings: diagnostics.len() });
+        } else {
+            self.tell(Event::Diagnostics(diagnostics, &checked.sources));
+        }
         checked.into_planned()
     }
 

@@ -65,6 +65,9 @@ pub enum Notice {
     /// A problem that does not end the call.
     #[error("{0}")]
     Warning(String),
+    /// Warnings about the files, which the run of the present report has told.
+    #[error("{warnings} warning{} about the files as before; `falsify check` tells {}", if *warnings == 1 { "" } else { "s" }, if *warnings == 1 { "it" } else { "them" })]
+    ToldBefore { warnings: usize },
     #[error("a reward was no number in {episodes} episodes; the first: {first}")]
     Unpaid {
         campaign: String,
@@ -116,7 +119,7 @@ impl Notice {
     pub fn level(&self) -> Level {
         match self {
             Self::Unpaid { .. } | Self::EpisodesInError { are_few: false, .. } => Level::Error,
-            Self::Note(_) => Level::Note,
+            Self::Note(_) | Self::ToldBefore { .. } => Level::Note,
             _ => Level::Warning,
         }
     }

@@ -71,6 +71,16 @@ pub(super) fn check_place(campaign: &Campaign, options: &RunOptions, files: &[Fi
     if differences.is_empty() { Ok(()) } else { Err(Error::OtherReport(Box::new(OtherReport { folder, differences }))) }
 }
 
+/// Whether the report of a campaign comes from these files and settings.
+pub(super) fn was_run_with(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) -> bool {
+    let report = StoredReport::open(&options.out.join(options.report_name(campaign)));
+    report.is_ok_and(|report| {
+        let then = report.manifest();
+        let is_same = |file: &FileRecord| then.files.iter().any(|old| old.path == file.path && old.blake3 == file.blake3);
+        then.settings == campaign.settings && files.iter().all(is_same)
+    })
+}
+
 fn differences(then: &Manifest, campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) -> Vec<OtherInput> {
     let now: Vec<RunRecord> = campaign.jobs.iter().filter_map(RunRecord::of).collect();
     let lost_runs = then.runs.iter().filter(|run| !now.iter().any(|new| new.id == run.id && new.amount >= run.amount));

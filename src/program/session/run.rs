@@ -3,7 +3,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::manifest::Times;
-use super::other_report::check_place;
+use super::other_report::{check_place, was_run_with};
 use super::overview::write_overview;
 use super::stored::Source;
 use super::{
@@ -11,11 +11,11 @@ use super::{
     Session,
 };
 use base::seed::Seed;
-use compile::{Campaign, Evaluation, ExternalProgram};
+use compile::{Campaign, Evaluation, ExternalProgram, Plan};
 use results::campaign::{self, Finished, Task};
 use results::jobs::SearchResult;
 use results::report::{
-    self, Aggregates, Episodes, Findings, Gate, Judged, Manifest, ReportFolder, Section, StoredReport, WriteError,
+    self, Aggregates, Episodes, FileRecord, Findings, Gate, Judged, Manifest, ReportFolder, Section, StoredReport, WriteError,
 };
 use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
@@ -59,7 +59,10 @@ impl Session {
 
     /// The plan of a run, which has at least one campaign.
     pub(crate) fn campaigns(&self, options: &RunOptions) -> Result<Planned, Error> {
-        let mut planned = self.plan(&options.input)?;
+        let is_told = |plan: &Plan, files: &[FileRecord]| {
+            plan.campaigns.iter().all(|campaign| was_run_with(campaign, options, files))
+        };
+        let mut planned = self.plan_unless_told(&options.input, &is_told)?;
         if planned.plan.campaigns.is_empty() {
             return Err(Error::NoCampaign { advice: planned.plan.without_campaigns() });
         }

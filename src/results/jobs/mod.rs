@@ -56,6 +56,8 @@ pub struct Kind {
     pub verb: &'static str,
     /// What is done while it is under way, and when it has ended.
     pub doing: [&'static str; 2],
+    /// What is done when all units are, until it has ended.
+    pub closing: &'static str,
     /// What is counted of it.
     pub unit: &'static str,
     /// How long a unit takes on a core (s), until the first ones are measured. What counts is how kinds differ.
@@ -86,6 +88,7 @@ impl Kind {
             plural,
             verb,
             doing: ["", ""],
+            closing: "",
             unit: "ticks",
             seconds: 1e-5,
             has_episodes: false,

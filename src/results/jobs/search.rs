@@ -14,6 +14,7 @@ use verdict::{Blame, Judged, NoVerdict, Verdict, ViolationVerdict};
 
 pub(super) const KIND: Kind = Kind {
     doing: ["searching", "searched"],
+    closing: ", judging its failures",
     references: || vec![search_table().reference()],
     tables: |found| match found.finished.all::<SearchResult>() {
         [] => None,
@@ -181,6 +182,7 @@ impl Work for Search {
             Err(error) => (None, Some(TaskError::Training(error))),
         };
         let mut spent = simulator.into_spent();
+        part.progress(self.budget);
         let evaluated = walker.filter(|_| !spent.stopped && self.tries > 0).map_or_else(Vec::new, |mut walker| {
             let fresh = episodes_seed(part.seed, &self.key.town);
             let drawn = self.own(part.seed).child("tries");

@@ -87,7 +87,8 @@ fn told(job: &Job) -> String {
     let left = job.left().map_or(String::new(), |left| format!(" {} left", clock(left)));
     let learnt = job.learnt().and_then(|learnt| learnt.told()).map_or(String::new(), |told| format!(": {told}"));
     let share = (job.done() * 100).checked_div(job.total).unwrap_or(0);
-    format!("{share:3} %{left}{rate}  {} {}{learnt}", kind.doing[0], job.name)
+    let closing = if job.done() >= job.total { kind.closing } else { "" };
+    format!("{share:3} %{left}{rate}  {} {}{learnt}{closing}", kind.doing[0], job.name)
 }
 
 /// A time for people, to the second.
