@@ -76,7 +76,8 @@ pub(super) fn was_run_with(campaign: &Campaign, options: &RunOptions, files: &[F
     let report = StoredReport::open(&options.out.join(options.report_name(campaign)));
     report.is_ok_and(|report| {
         let then = report.manifest();
-        let is_same = |file: &FileRecord| then.files.iter().any(|old| old.path == file.path && old.blake3 == file.blake3);
+        let is_same =
+            |file: &FileRecord| then.files.iter().any(|old| old.path == file.path && old.blake3 == file.blake3);
         then.settings == campaign.settings && files.iter().all(is_same)
     })
 }

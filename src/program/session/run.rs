@@ -15,7 +15,8 @@ use compile::{Campaign, Evaluation, ExternalProgram, Plan};
 use results::campaign::{self, Finished, Task};
 use results::jobs::SearchResult;
 use results::report::{
-    self, Aggregates, Episodes, FileRecord, Findings, Gate, Judged, Manifest, ReportFolder, Section, StoredReport, WriteError,
+    self, Aggregates, Episodes, FileRecord, Findings, Gate, Judged, Manifest, ReportFolder, Section, StoredReport,
+    WriteError,
 };
 use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 

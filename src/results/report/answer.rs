@@ -30,7 +30,10 @@ pub fn answer(found: &Findings<'_>) -> Vec<String> {
     let sentence = |driver: &DriverAnswer| format!("{} {}: {}", driver.name, driver.verdict, driver.parts.join("; "));
     let (shown, further) = fail.split_at(if is_many { MAX_DRIVERS.min(fail.len()) } else { fail.len() });
     let names: Vec<&str> = further.iter().map(|driver| driver.name).collect();
-    let further = (!names.is_empty()).then(|| match names.as_slice() { [one] => format!("{one} fails, too"), all => format!("{} fail, too", all.join(", ")) });
+    let further = (!names.is_empty()).then(|| match names.as_slice() {
+        [one] => format!("{one} fails, too"),
+        all => format!("{} fail, too", all.join(", ")),
+    });
     let others: Vec<String> = good.iter().map(DriverAnswer::in_brief).collect();
     let others = (!others.is_empty()).then(|| format!("No fault was found of {}", others.join(", ")));
     let of_drivers = shown.iter().map(sentence).chain(further).chain(others);

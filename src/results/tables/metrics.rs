@@ -111,9 +111,9 @@ impl Metric {
         }
     }
 
-    /// What it is a rate of, for people: `fault` of `fault_rate`.
+    /// What it is a rate or a mean of, for people: `fault` of `fault_rate`, `reward` of `episode_reward`.
     pub fn word(&self) -> &'static str {
-        self.name.trim_end_matches("_rate")
+        self.name.trim_end_matches("_rate").trim_start_matches("episode_")
     }
 
     /// Whether it has no value without a touch.
@@ -144,6 +144,11 @@ pub fn inferred() -> impl Iterator<Item = &'static Metric> {
 /// The metrics in which pedestrians, drivers and reports are compared.
 pub fn compared() -> impl DoubleEndedIterator<Item = &'static Metric> {
     METRICS.into_iter().filter(|metric| metric.inference == Inference::Pairs)
+}
+
+/// The metrics of an overview: those that are compared, the last first, and those of the paper.
+pub fn pooled() -> impl Iterator<Item = &'static Metric> {
+    compared().rev().chain([&TOUCH_RATE, &EPISODE_REWARD])
 }
 
 /// Episodes without error.

@@ -6,12 +6,12 @@ use polars::prelude::{
 };
 
 use super::cells::IS_FIXED_CASES;
-use super::metrics::{EPISODES, FAULT_RATE, MEAN, RUNS, compared};
+use super::metrics::{EPISODES, FAULT_RATE, MEAN, RUNS, compared, pooled};
 use super::searches::{FAILED_STARTS, FAULT_START_RATE, METHOD, OTHER, STARTS};
 use super::statistics::{adjusted, interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
 use base::statistics::mean_p_of_rates;
-use compile::{HERE, NO_REWARD};
+use compile::{HERE, NO_REWARD, UNTRAINED};
 
 /// The folder of the report.
 pub const REPORT: &str = "report";
@@ -49,12 +49,14 @@ fn columns() -> [Vec<(String, [Expr; 2])>; 2] {
     let none = || lit(NULL).cast(DataType::Float64);
     let training = || col(TRAIN_TOWN.name) + lit(", ") + col(TRAIN_DRIVER.name);
     let is_trained = || col(TRAIN_TOWN.name).neq(lit(""));
+    let is_of_reward = || is_trained().or(col(PEDESTRIAN.name).eq(lit(UNTRAINED)));
     let text = |is: Expr, text: Expr| when(is).then(text).otherwise(lit(""));
     let is_away = col(TOWN.name).neq(col(TRAIN_TOWN.name)).or(col(DRIVER.name).neq(col(TRAIN_DRIVER.name)));
     let who = col(PEDESTRIAN.name)
-        + text(col(REWARD.name).neq(lit(NO_REWARD)), lit(" ") + col(REWARD.name))
+        + text(is_of_reward().and(col(REWARD.name).neq(lit(NO_REWARD))), lit(" ") + col(REWARD.name))
         + text(is_trained().and(is_away), lit(" (") + training() + lit(")"));
-    let block = || text(col(BLOCK.name).gt(lit(0)), lit(", block ") + col(BLOCK.name).cast(DataType::String));
+    let number = || (col(BLOCK.name) + lit(1)).cast(DataType::String);
+    let block = |kind: &str| text(col(BLOCK.name).gt(lit(0)), lit(format!(", {kind} ")) + number());
     let [vehicle, body, world] = [VEHICLE.name, BODY.name, WORLD.name].map(|name| lit(", ") + col(name));
     let mut shown = vec![
         (DRIVER.name.to_owned(), [col(DRIVER.name), col(DRIVER.name)]),
@@ -66,10 +68,10 @@ fn columns() -> [Vec<(String, [Expr; 2])>; 2] {
         ("method".into(), [lit(""), col(METHOD.name)]),
         (RUNS.name.into(), [col(RUNS.name), col(RUNS.name)].map(|runs| runs.cast(DataType::UInt64))),
     ];
-    for metric in compared().rev() {
-        let [sd, low, high] = ["sd", "wilson_low", "wilson_high"].map(|end| format!("{}_{end}", metric.name));
+    for metric in pooled() {
         shown.push((metric.name.into(), [col(MEAN.name(metric.name)), none()]));
-        shown.extend([sd, low, high].map(|name| (name.clone(), [col(name), none()])));
+        let ends = ["sd", "wilson_low", "wilson_high"].into_iter().take(if metric.is_share() { 3 } else { 1 });
+        shown.extend(ends.map(|end| format!("{}_{end}", metric.name)).map(|name| (name.clone(), [col(name), none()])));
     }
     let rate = |suffix: &str| col(format!("{FAULT_START_RATE}{suffix}"));
     shown.extend([
@@ -81,7 +83,7 @@ fn columns() -> [Vec<(String, [Expr; 2])>; 2] {
     ]);
     let more = vec![
         (WHO.into(), [who, col(METHOD.name)]),
-        (WHERE.into(), [block() + vehicle + body + world, block()]),
+        (WHERE.into(), [block("evaluate") + vehicle + body + world, block("search")]),
         (IS_SEARCH.into(), [lit(false), lit(true)]),
         (EPISODES.name.into(), [col(EPISODES.name), lit(NULL)].map(|count| count.cast(DataType::UInt32))),
         (IS_FIXED_CASES.name.into(), [col(IS_FIXED_CASES.name), lit(false)]),
@@ -140,8 +142,8 @@ pub(crate) fn over_seeds(rows: &DataFrame, settings: &[String]) -> PolarsResult<
             .otherwise(lit(NULL))
             .alias(EPISODES.name),
     );
-    for metric in compared() {
-        all.extend(over_runs_with_student(metric.name, (0.0, 1.0)));
+    for metric in pooled() {
+        all.extend(over_runs_with_student(metric.name, metric.bounds()));
     }
     let name = [DRIVER.name, TOWN.name, WHO].map(col);
     grouped(rows, settings)?

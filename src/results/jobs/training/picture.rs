@@ -1,38 +1,73 @@
 use super::TrainingResult;
+use crate::report::Findings;
 use crate::report::svg::{Chart, Curve, Figure, short, thousands};
+use crate::tables::Metric;
+use crate::tables::metrics::{COLLISION_RATE, EPISODE_REWARD, FAULT_RATE};
 use base::statistics::{self, sample_deviation};
+use compile::TrainingKey;
 use learn::UpdateLog;
 
 /// The points of a training's curve.
 type Points = Vec<(f64, f64)>;
 
+/// The pedestrian that learns nothing, whose level the charts have, and the colour of that.
+const LEVEL: (&str, usize) = ("intercept", 3);
 /// Approximate largest number of points of a curve.
 const POINTS: usize = 160;
 
-/// The learning curves: mean reward, shares of collisions and faults and mean length of episodes over the decisions of a training.
-pub fn learning(trainings: &[TrainingResult]) -> Vec<Figure> {
-    type Quantity = fn(&UpdateLog) -> Option<f64>;
-    let quantities: [(&str, &str, Quantity); 4] = [
-        ("learning_reward", "Reward of an episode while exploring, mean of the last 100", |log| log.mean_reward),
-        (
-            "learning_collisions",
-            "Share of the last 100 episodes with a collision, with drawn actions as of `stochastic`",
-            |log| log.success_rate,
-        ),
-        ("learning_faults", "Share of the last 100 episodes with a fault, with drawn actions", |log| log.fault_rate),
-        ("learning_length", "Length of an episode in decisions, mean of the last 100", |log| log.mean_length),
-    ];
-    quantities.into_iter().filter_map(|(name, title, value)| figure(trainings, name, title, value)).collect()
+/// A figure of learning curves.
+struct Quantity {
+    name: &'static str,
+    title: &'static str,
+    value: fn(&UpdateLog) -> Option<f64>,
+    /// The same of evaluations.
+    metric: Option<&'static Metric>,
 }
 
-fn figure(
-    trainings: &[TrainingResult],
-    name: &str,
-    title: &str,
-    value: fn(&UpdateLog) -> Option<f64>,
-) -> Option<Figure> {
-    let mut groups: Vec<(String, Vec<Points>)> = Vec::new();
-    for training in trainings {
+/// The learning curves: mean reward, shares of collisions and faults and mean length of episodes over the decisions of a training.
+pub fn learning(found: &Findings<'_>) -> Vec<Figure> {
+    let quantities = [
+        Quantity {
+            name: "learning_reward",
+            title: "Reward of an episode while exploring, mean of the last 100",
+            value: |log| log.mean_reward,
+            metric: Some(&EPISODE_REWARD),
+        },
+        Quantity {
+            name: "learning_collisions",
+            title: "Share of the last 100 episodes with a collision, with drawn actions as of `stochastic`",
+            value: |log| log.success_rate,
+            metric: Some(&COLLISION_RATE),
+        },
+        Quantity {
+            name: "learning_faults",
+            title: "Share of the last 100 episodes with a fault, with drawn actions",
+            value: |log| log.fault_rate,
+            metric: Some(&FAULT_RATE),
+        },
+        Quantity {
+            name: "learning_length",
+            title: "Length of an episode in decisions, mean of the last 100",
+            value: |log| log.mean_length,
+            metric: None,
+        },
+    ];
+    quantities.iter().filter_map(|quantity| figure(found, quantity)).collect()
+}
+
+/// The mean of the pedestrian that learns nothing, in the town of a training, against its driver and with its reward.
+fn level(found: &Findings<'_>, key: &TrainingKey, metric: &Metric) -> Option<f64> {
+    let is_beside = |cell: &&crate::tables::Cell| {
+        let is_paid = *metric != EPISODE_REWARD || cell.key.reward == key.reward;
+        cell.key.controller == LEVEL.0 && cell.key.town == key.town && cell.key.policy == key.policy && is_paid
+    };
+    found.cells.iter().chain(found.gathered.copies.iter()).find(is_beside)?.value(metric)
+}
+
+fn figure(found: &Findings<'_>, quantity: &Quantity) -> Option<Figure> {
+    let Quantity { name, title, value, metric } = quantity;
+    let mut groups: Vec<(String, Vec<Points>, Option<f64>)> = Vec::new();
+    for training in found.finished.all::<TrainingResult>() {
         let Ok(trained) = &training.result else { continue };
         let key = &training.key;
         let group = format!("{} · {} · {}", key.reward, key.town, key.policy);
@@ -43,16 +78,18 @@ fn figure(
         if curve.is_empty() {
             continue;
         }
-        match groups.iter_mut().find(|(known, _)| *known == group) {
-            Some((_, curves)) => curves.push(curve),
-            None => groups.push((group, vec![curve])),
+        match groups.iter_mut().find(|(known, ..)| *known == group) {
+            Some((_, curves, _)) => curves.push(curve),
+            None => groups.push((group, vec![curve], metric.and_then(|metric| level(found, key, metric)))),
         }
     }
     if groups.is_empty() {
         return None;
     }
-    let panels = groups.iter().map(|(group, curves)| {
-        let all = || curves.iter().flatten();
+    let panels = groups.iter().map(|(group, curves, level)| {
+        let end = curves.iter().flatten().map(|point| point.0).fold(0.0, f64::max);
+        let level: Points = level.iter().flat_map(|level| [(0.0, *level), (end, *level)]).collect();
+        let all = || curves.iter().flatten().chain(&level);
         let span = |pick: fn(&(f64, f64)) -> f64| {
             all().map(pick).fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)))
         };
@@ -72,12 +109,18 @@ fn figure(
         let says = format!("{title}, {} trainings: from {} to {}.", curves.len(), short(begins), short(ends));
         let thin = |points: &Points| Curve { thin: true, points: points.clone(), ..Curve::default() };
         let mut drawn: Vec<Curve> = if curves.len() > 1 { curves.iter().map(thin).collect() } else { Vec::new() };
+        drawn.push(Curve { colour: LEVEL.1, points: level.clone(), ..Curve::default() });
         drawn.push(mean);
         chart.panel(group.clone(), says, &drawn)
     });
     Some(Figure {
-        name: name.into(),
+        name: (*name).into(),
         title: format!("{title}. Thick: mean over trainings, band ± 1 sd; thin: each training."),
+        legend: if groups.iter().any(|(.., level)| level.is_some()) {
+            vec![("s0".into(), "trained".into()), (format!("s{}", LEVEL.1), format!("{}, evaluated", LEVEL.0))]
+        } else {
+            Vec::new()
+        },
         panels: panels.collect(),
         ..Figure::default()
     })

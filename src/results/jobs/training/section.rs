@@ -50,7 +50,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         name: "Trainings",
         title: "Trainings",
         depth: Depth::Page,
-        figures: learning(trainings),
+        figures: learning(found),
         tables: vec![shown.table(&cells)],
         notes: vec![
             "Means of the last episodes of each training, while the pedestrian still explored. \"±\" is the standard deviation over trainings. \

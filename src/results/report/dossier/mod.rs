@@ -8,8 +8,8 @@ mod tick_error;
 
 use maud::html;
 
-use super::render::{Section, document};
-use super::{Findings, Manifest};
+use super::render::{Section, author_and_date, document};
+use super::{Findings, Manifest, answer};
 use base::seed::Seed;
 
 /// Said below a heading for which a campaign has nothing.
@@ -30,8 +30,17 @@ pub fn dossier(found: &Findings<'_>, made: &[Section], manifest: &Manifest, seed
         provenance::provenance(manifest),
     ];
     let body = html! {
+        header.top {
+            p.kind { "falsify · dossier" }
+            h1 { (found.campaign.name) }
+            (author_and_date())
+            button #theme type="button" hidden { "Dark" }
+        }
+        nav aria-label="Sections" {
+            @for section in &sections { a href={ "#" (section.id) } { (section.title) } }
+        }
         main #main {
-            h1 { "Dossier: " (found.campaign.name) }
+            @for sentence in answer(found) { p.lead { b { (sentence) "." } } }
             section id="bottom-line" { (section("bottom-line", "", finding::bottom_lines(found, &shown), Vec::new()).to_html(&|_| None)) }
             @for (number, section) in sections.iter().enumerate() {
                 section id=(section.id) { h2 { (number + 1) " " (section.title) } (section.to_html(&|_| None)) }

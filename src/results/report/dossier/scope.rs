@@ -1,7 +1,7 @@
 use super::{NOT_DONE, section};
 use crate::report::grouped::grouped;
 use crate::report::render::{Column, FAULT, LEFT_OUT, Section, Selection, Table};
-use crate::report::{DistinctFailure, Findings, answer};
+use crate::report::{DistinctFailure, Findings};
 use base::signature::{Distribution, short};
 use compile::{Driver, Evaluation, Search};
 use episode::requirement::NamedRequirement;
@@ -20,7 +20,6 @@ const TABLES: &str = "Rates are in the table `results` of the report, searches i
 pub fn scope(found: &Findings<'_>) -> Section {
     let campaign = found.campaign;
     let mut lead = vec![campaign.docs.join("\n")];
-    lead.extend(answer(found).iter().map(|sentence| format!("**{sentence}.**")));
     lead.extend(found.cautions.iter().map(|caution| format!("**{caution}.**")));
     lead.extend(found.doubts.iter().map(|doubt| format!("**{doubt}.**")));
     lead.push(format!("{FAULT} {HUMAN}"));

@@ -94,7 +94,8 @@ fn subject(comparison: &ReportComparison) -> String {
 
 /// The reports, and what differs where they are one.
 fn sides(comparison: &ReportComparison) -> [String; 2] {
-    let keys = comparison.cells.first().filter(|_| comparison.folders[0] == comparison.folders[1]).map(|cell| &cell.keys);
+    let keys =
+        comparison.cells.first().filter(|_| comparison.folders[0] == comparison.folders[1]).map(|cell| &cell.keys);
     std::array::from_fn(|side| {
         let folder = comparison.folders[side].display();
         match keys {

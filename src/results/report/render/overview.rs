@@ -10,9 +10,9 @@ use super::sections::{failed_starts, injury, searcher};
 use super::table::{Column, Mark, Selection, Table, Value};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::report::{DriverResult, Overview, Rate, SearchCell, Variant};
-use crate::tables::metrics::{EPISODES, compared};
+use crate::tables::metrics::{EPISODES, compared, pooled as pooled_metrics};
 use crate::tables::overview::{SEEDS, WHO, p_column, setting_column};
-use crate::tables::{Cell, FAULT_START_RATE, Row};
+use crate::tables::{Cell, FAULT_START_RATE, Metric, Row};
 use compile::HERE;
 
 /// How to read the tables.
@@ -106,13 +106,13 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
             .number("seeds", |row| row.whole_number(SEEDS))
     };
     let seeds = words().each(
-        compared().rev().flat_map(|metric| [(metric, false), (metric, true)]),
+        metrics(overview).flat_map(|metric| [(metric, false), (metric, true)]),
         |(metric, is_sd)| if *is_sd { Column::number("sd").page_only() } else { Column::number(metric.word()) },
         |(metric, is_sd), pooled| {
             let rate = pooled.figure(metric.name, "");
             match (rate.value, pooled.number(EPISODES.name)) {
                 _ if *is_sd => Value::number(rate.sd, 3),
-                (Some(0.0), Some(episodes)) => Value::Of(0, episodes as u64),
+                (Some(0.0), Some(episodes)) if metric.is_share() => Value::Of(0, episodes as u64),
                 _ => over_seeds(&rate, false),
             }
         },
@@ -151,6 +151,12 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
     Ok([seeds, differences].into_iter().filter(|table| !table.rows.is_empty()).collect())
 }
 
+/// Those of the paper where somebody is trained.
+fn metrics(overview: &Overview<'_>) -> impl Iterator<Item = &'static Metric> {
+    let is_trained = overview.variants.iter().any(|variant| variant.cells.iter().any(|cell| cell.key.is_trained()));
+    pooled_metrics().take(if is_trained { usize::MAX } else { compared().count() })
+}
+
 /// A mean over seeds with its interval, or of too few for one with their standard deviation.
 fn over_seeds(rate: &Rate, is_difference: bool) -> Value {
     match (rate.value, rate.sd, rate.interval) {
@@ -180,7 +186,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         .column(Column::number("runs").page_only(), |(_, cell)| cell.runs())
         .number("n", |(_, cell)| cell.count(&EPISODES) / cell.runs().max(1))
         .each(
-            compared().rev(),
+            metrics(overview),
             |metric| Column::number(metric.word()),
             |metric, (_, cell)| Value::from(&cell.rate(metric)),
         );

@@ -103,15 +103,16 @@ fn documentation(all: &Findings<'_>, name: &str) -> Markup {
     prose(docs.split_inclusive(". ").next().unwrap_or_default().trim_end())
 }
 
-/// What a failure is, in the words of its card.
+/// What a failure is, in a line: its card tells how it came.
 fn worst(found: &Failure, players: &Players) -> Markup {
     html! {
         p {
             (badge(found.class(), found.word())) " "
-            @match players.get(&found.name()) {
-                Some(replay) => (prose(&replay.short)),
-                None => (format!("A collision at {:.1} m/s.", found.impact_speed)),
+            @match &found.violation {
+                Some(violation) => { "violates " code { (violation.requirement) } },
+                None => (format!("at {:.1} m/s", found.impact_speed)),
             }
+            ", by " (found.finder()) " in " (found.key.cell.place())
             @if let Some(link) = players.link(&found.name()) { "\u{a0}" a.play href=(link) { "play" } }
         }
     }

@@ -99,6 +99,13 @@ pub fn document(title: &str, version: &str, body: &Markup, has_players: bool) ->
     html.into_string() + "\n"
 }
 
+/// A line for a name that a reader may write, and the date of the file, which the script reads: the bytes of a page are the same at any time.
+pub fn author_and_date() -> Markup {
+    html! {
+        p.meta { "Author: " span #author contenteditable="plaintext-only" role="textbox" aria-label="Author" {} " " time #made hidden {} }
+    }
+}
+
 /// Maximum number of doubts at the top of the page; the section on learning has all.
 const MAX_DOUBTS: usize = 3;
 
@@ -108,6 +115,7 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
     html! {
         header.top {
             h1 { (campaign.name) }
+            (author_and_date())
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
             @else { p.lead { (grid(campaign)) } }
             @for sentence in answer(found) { p.lead { b { (sentence) "." } } }
@@ -137,7 +145,7 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
 fn grid(campaign: &Campaign) -> String {
     let drivers: Vec<&str> = campaign.drivers.iter().map(|driver| driver.name.as_str()).collect();
     let towns: Vec<&str> = campaign.towns.iter().map(|town| town.name.as_str()).collect();
-    format!("Drivers: {}. Towns: {}.", drivers.join(", "), towns.join(", "))
+    format!("Are there faults of {} in {}?", drivers.join(", "), towns.join(", "))
 }
 
 /// How much was run, in a line.

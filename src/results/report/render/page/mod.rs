@@ -23,7 +23,7 @@ mod write;
 
 pub use head::{OWN_SCRIPTS, head};
 pub use identity::named;
-pub use make::document;
+pub use make::{author_and_date, document};
 pub use markup::{count, json, paragraph, percent};
 pub use player_card::{PlayerCard, badge};
 pub use players::Players;

@@ -55,3 +55,12 @@ document.addEventListener("click", (event) => {
   if (link && link.hash === location.hash) reveal(link.hash);
 });
 if (location.hash) reveal(location.hash);
+
+// When the file was written.
+const made = document.getElementById("made");
+if (made) {
+  const date = new Date(document.lastModified);
+  made.dateTime = date.toISOString();
+  made.textContent = "Written on " + date.toLocaleDateString("en-GB", { dateStyle: "long" });
+  made.hidden = false;
+}

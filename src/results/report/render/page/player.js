@@ -172,7 +172,7 @@ class Player {
     c.translate(width / 2, height / 2);
     c.scale(view.scale, -view.scale);
     c.translate(-view.x, -view.y);
-    const kinds = ["walk", "lane", "zebra", "house"].map((name) => colour[name]);
+    const kinds = ["walk", "lane", "marking", "zebra", "house"].map((name) => colour[name]);
     for (const polygon of data.scenery) {
       c.beginPath();
       for (let i = 1; i < polygon.length; i += 2) c.lineTo(polygon[i] / 10, polygon[i + 1] / 10);

@@ -3,7 +3,7 @@ use super::make::page;
 use super::worst::{listed, worst};
 use crate::failure::Failure;
 use crate::report::render::table::Section;
-use crate::report::{Findings, Manifest, PlayedFailure, ReportFolder, WriteError, worst_failure};
+use crate::report::{FIGURES, Findings, Manifest, PlayedFailure, ReportFolder, WriteError, worst_failure};
 
 /// Maximum number of failures that are played although their driver is a program of the user.
 const MAX_FIRST: usize = 14;
@@ -59,6 +59,7 @@ pub fn write_page(
 ) -> Result<(), WriteError> {
     for figure in sections.iter().flat_map(|section| &section.figures) {
         folder.file(&figure.file(), figure.to_svg().as_bytes())?;
+        folder.file(&format!("{FIGURES}/{}.txt", figure.name), figure.caption().as_bytes())?;
     }
     let options = folder.has_parquet().then(|| manifest.call.replay_options());
     let players = Players::new(played, &found.distinct, &found.cast_failures, options);

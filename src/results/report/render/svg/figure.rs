@@ -85,13 +85,18 @@ impl Figure {
         format!("{FIGURES}/{}.svg", self.name)
     }
 
-    /// The figure in its own file.
+    /// The words beside that file: its caption.
+    pub fn caption(&self) -> String {
+        let words = std::iter::once(&self.title).chain(&self.notes).map(|line| line.replace('`', ""));
+        words.collect::<Vec<_>>().join(" ") + "\n"
+    }
+
+    /// The figure in its own file, without its caption.
     pub fn to_svg(&self) -> String {
         let columns = self.panels.len().clamp(1, if self.columns == 0 { 3 } else { self.columns });
         let wide = self.panels.iter().fold(0.0, |most: f64, panel| most.max(panel.size.0));
-        let words = self.notes.iter().chain([&self.title]).map(|text| 1.15 * LETTER * text.chars().count() as f64);
-        let width = (columns as f64 * (wide + GAP) + GAP).max(words.fold(0.0, f64::max) + 2.0 * GAP).max(420.0);
-        let mut top = 22.0 + LINE * self.notes.len() as f64;
+        let width = (columns as f64 * (wide + GAP) + GAP).max(420.0);
+        let mut top = 0.0;
         let mut entries = Vec::new();
         let mut x = GAP;
         for (class, text) in &self.legend {
@@ -116,10 +121,6 @@ impl Figure {
         };
         let body = html! {
             @if let Some(defs) = &self.defs { defs { (defs) } }
-            text.ink.name x=(GAP) y="22" { (self.title) }
-            @for (number, note) in self.notes.iter().enumerate() {
-                text.muted x=(GAP) y=(px(22.0 + LINE * (number + 1) as f64)) { (note) }
-            }
             @for (x, y, class, text) in entries {
                 g transform={ "translate(" (px(x)) " " (px(y - 10.0)) ")" } {
                     (mark(class))

@@ -10,7 +10,7 @@ pub const FIGURE_CSS: &str = include_str!("figure.css");
 ///
 /// # Source
 /// Okabe and Ito, *Color universal design*, 2008, lightened for dark ground.
-const PALETTE: [(&str, &str, &str); 35] = [
+const PALETTE: [(&str, &str, &str); 36] = [
     ("paper", "#ffffff", "#14171a"),
     ("raised", "#f6f7f8", "#1c2024"),
     ("ink", "#1b1f23", "#e6e9ec"),
@@ -39,6 +39,7 @@ const PALETTE: [(&str, &str, &str); 35] = [
     ("ground", "#edf0ea", "#1a1e1b"),
     ("walk", "#d9dbdc", "#2c3033"),
     ("lane", "#b9bec3", "#3b4147"),
+    ("marking", "#f7f7f4", "#6d747b"),
     ("zebra", "#f7f7f4", "#6d747b"),
     ("house", "#cdbfa9", "#4d4436"),
     ("car", "#0b62a8", "#6bb3ee"),

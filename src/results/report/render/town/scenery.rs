@@ -6,6 +6,8 @@ use road::{LaneKind, LaneSection, Road, RoadIndex, Town, Waypoint};
 const STEP: f64 = 1.0;
 /// About the most such points of a town, and the most of an edge.
 const MAX_POINTS: (f64, f64) = (300_000.0, 4_000.0);
+/// Width of a border on each of its lanes (m).
+const MARKING: f64 = 0.08;
 /// Largest distance between an outline and the lane's edge (m).
 const TOLERANCE: f64 = 0.04;
 
@@ -17,6 +19,8 @@ choice! {
         Walk = "walk",
         /// A lane for driving.
         Lane = "lane",
+        /// The borders of a lane for driving.
+        Marking = "marking",
         /// A crosswalk.
         Zebra = "zebra",
         /// Obstacles, which block pedestrians and sight.
@@ -39,6 +43,9 @@ impl Scenery {
         for surface in [Surface::Walk, Surface::Lane] {
             polygons.extend(lanes(town, surface).map(|lane| (surface, outline(town, lane, step))));
         }
+        // Those of a junction cross each other.
+        let on_roads = lanes(town, Surface::Lane).filter(|lane| lane.road.junction.is_none());
+        polygons.extend(on_roads.flat_map(|lane| markings(town, lane, step)).map(|strip| (Surface::Marking, strip)));
         polygons.extend(town.crosswalks.iter().map(|corners| (Surface::Zebra, corners.to_vec())));
         polygons.extend(town.obstacles.iter().map(|each| (Surface::House, each.corners().to_vec())));
         Self { polygons }
@@ -96,6 +103,20 @@ pub fn step(town: &Town) -> f64 {
     let sections = town.roads.iter().flat_map(|road| &road.sections);
     let metres: f64 = sections.map(|section| (section.end - section.start) * section.lanes.len() as f64).sum();
     STEP.max(2.0 * metres / MAX_POINTS.0)
+}
+
+/// The corners of the borders of a lane.
+fn markings(town: &Town, lane: SectionLane<'_>, step: f64) -> [Vec<Point>; 2] {
+    let edges: Vec<[Point; 2]> = lane.places(step).filter_map(|place| town.lane_edges(place)).collect();
+    [0, 1].map(|side| {
+        let outer: Vec<Point> = edges.iter().map(|edge| edge[side]).collect();
+        let kept = needed(&outer);
+        let inner = |index: &usize| {
+            let across = edges[*index][1 - side] - edges[*index][side];
+            edges[*index][side] + across * (MARKING / across.norm().max(MARKING))
+        };
+        kept.iter().map(|index| outer[*index]).chain(kept.iter().rev().map(inner)).collect()
+    })
 }
 
 /// The corners of a lane: its left edge forwards, its right edge backwards.
