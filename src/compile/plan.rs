@@ -198,6 +198,13 @@ pub struct Documented {
     pub docs: String,
 }
 
+impl Documented {
+    /// The first sentence of what is said about it.
+    pub fn first_sentence(&self) -> &str {
+        self.docs.split_inclusive(". ").next().unwrap_or_default().trim_end()
+    }
+}
+
 /// A town under the name that the files give it.
 #[derive(Debug, Clone)]
 pub struct NamedTown {

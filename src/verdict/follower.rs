@@ -13,7 +13,7 @@ const RESOLUTION: f64 = 0.001;
 /// The car that follows the one under test, when a careful human brakes that one no harder than it must.
 ///
 /// The human brakes from when braking is due, its reaction after the danger begins, with the least deceleration that avoids the pedestrian. A danger that could be seen
-/// for long needs little. The follower drives as recorded until 0.75 s after the human begins to brake: the reaction of UN R157's careful human. Then it
+/// for long needs little. The follower drives as recorded until 0.75 s after the human begins to brake: UN R157's reaction time. Then it
 /// brakes with a constant deceleration.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Follower {

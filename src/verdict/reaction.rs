@@ -12,7 +12,7 @@ const SD: f64 = 0.63;
 /// The share of drivers who brake within this time (s) after they could notice a danger that they did not expect.
 ///
 /// The reaction time ends when the brake is applied. It is lognormal with a mean of 1.21 s and a standard deviation of 0.63 s: the median is
-/// 1.07 s, and 5 % need more than 2.4 s. UN R157's careful human (1.15 s) is faster than 44 % of these drivers, its attentive reading
+/// 1.07 s, and 5 % need more than 2.4 s. The careful human (1.15 s) is faster than 44 % of these drivers, its attentive reading
 /// (0.75 s) faster than 77 %.
 ///
 /// # Source

@@ -5,7 +5,7 @@ choice! {
     /// The reference drivers for the verdict on every failure.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     pub enum Reference {
-        /// UN R157's careful human, who evaluates the risk after the gate: it brakes 1.15 s later.
+        /// A careful human with UN R157's times and brake, who evaluates the risk after the gate: it brakes 1.15 s later.
         CarefulHuman = "cc",
         /// The same, who has evaluated the risk when the gate opens: it brakes 0.75 s later.
         AttentiveHuman = "cc_attentive",

@@ -134,8 +134,11 @@ fn stands_alone(html: &str, folder: &Path) {
         let replay: Value = serde_json::from_str(text).unwrap();
         assert_eq!(replay["ego"].as_array().unwrap().len(), replay["person"].as_array().unwrap().len());
     }
-    for entry in std::fs::read_dir(folder.join("figures")).unwrap() {
-        let path = entry.unwrap().path();
+    let files: Vec<PathBuf> =
+        std::fs::read_dir(folder.join("figures")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let is_svg = |path: &&PathBuf| path.extension().is_some_and(|end| end == "svg");
+    assert!(files.iter().all(|path| path.with_extension("svg").is_file()), "a caption has a figure: {files:?}");
+    for path in files.iter().filter(is_svg) {
         let svg = std::fs::read_to_string(&path).unwrap();
         let read = roxmltree::Document::parse(&svg);
         assert!(read.is_ok(), "{}: {read:?}", path.display());

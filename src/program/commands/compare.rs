@@ -104,6 +104,7 @@ pub fn compare(options: &CompareArgs) -> Ended {
     }
     let failed = judge(&conditions, &comparison)?;
     tell_causes(&failed, &comparison, &options.repeat);
+    tell_worse(&conditions, &failed, &comparison);
     Ok(ExitCode::of_gate(failed.is_empty()))
 }
 
@@ -112,6 +113,12 @@ pub fn text(comparison: &ReportComparison) -> String {
     let width = console::width();
     let text = report::change_text(&report::comparison_report(comparison), MAX_SHOWN, width);
     console::broken(&text, width).trim_end().into()
+}
+
+/// Says that a driver is worse which no condition refuses.
+pub fn tell_worse(conditions: &[Condition], failed: &[String], comparison: &ReportComparison) {
+    let worse = report::worsening(comparison).filter(|_| !conditions.is_empty() && failed.is_empty());
+    worse.iter().for_each(|answer| console::note(&format!("the conditions pass, but: {answer}")));
 }
 
 /// Says why the worst failures happened that are new or have become faults in rows that failed a gate.

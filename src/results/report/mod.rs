@@ -77,7 +77,7 @@ pub use render::{
     ChangeReport, Group, MapPage, Narrative, PlayedPair, Replay, SMOKE, Section, SectionMaker, StartLayer, Starts,
     Suite, Tally, TownView, animation, change_page, change_text, comparison_report, failures_for_terminal,
     judgement_page, junit, map_page, narrative, overview_for_terminal, overview_page, recheck_report, sections,
-    spawn_map, strip,
+    spawn_map, strip, worsening,
 };
 pub use text_forms::{csv_text, json_rows};
 

@@ -7,7 +7,7 @@ use polars::prelude::{
 
 use super::cells::IS_FIXED_CASES;
 use super::metrics::{EPISODES, FAULT_RATE, MEAN, RUNS, compared, pooled};
-use super::searches::{FAILED_STARTS, FAULT_START_RATE, METHOD, OTHER, STARTS};
+use super::searches::{FAILED_STARTS, FAULT_START_RATE, FAULT_STARTS, METHOD, OTHER, STARTS};
 use super::statistics::{adjusted, interval, over_runs, over_runs_with_student, statistic, student};
 use crate::record::columns::{BLOCK, BODY, DRIVER, PEDESTRIAN, REWARD, TOWN, TRAIN_DRIVER, TRAIN_TOWN, VEHICLE, WORLD};
 use base::statistics::mean_p_of_rates;
@@ -17,6 +17,11 @@ use compile::{HERE, NO_REWARD, UNTRAINED};
 pub const REPORT: &str = "report";
 /// The figure of a search that is compared beside the fault rate.
 const SEARCHED: &str = "search_faults_start_rate";
+/// The starts of a search, and those with a fault: means over its runs, and their sums over seeds.
+pub const SEARCHED_STARTS: &str = "search_starts";
+pub const SEARCHED_FAULTS: &str = "search_fault_starts";
+/// A search with fewer starts than these at a seed is compared with no other.
+const MIN_STARTS: f64 = 10.0;
 
 // Columns besides those of the file. A setting has no name with a blank.
 /// The controller with its reward, and with its training where that was elsewhere; or the falsifier.
@@ -79,7 +84,8 @@ fn columns() -> [Vec<(String, [Expr; 2])>; 2] {
         (format!("{SEARCHED}_low"), [none(), rate("_low")]),
         (format!("{SEARCHED}_high"), [none(), rate("_high")]),
         ("search_failed_starts".into(), [none(), col(MEAN.name(FAILED_STARTS))]),
-        ("search_starts".into(), [none(), col(MEAN.name(STARTS.name))]),
+        (SEARCHED_FAULTS.into(), [none(), col(MEAN.name(FAULT_STARTS))]),
+        (SEARCHED_STARTS.into(), [none(), col(MEAN.name(STARTS.name))]),
     ]);
     let more = vec![
         (WHO.into(), [who, col(METHOD.name)]),
@@ -142,6 +148,8 @@ pub(crate) fn over_seeds(rows: &DataFrame, settings: &[String]) -> PolarsResult<
             .otherwise(lit(NULL))
             .alias(EPISODES.name),
     );
+    let sum = |name: &str| (col(name) * col(RUNS.name)).sum().alias(name);
+    all.extend([SEARCHED_STARTS, SEARCHED_FAULTS].map(sum));
     for metric in pooled() {
         all.extend(over_runs_with_student(metric.name, metric.bounds()));
     }
@@ -181,6 +189,7 @@ pub(crate) fn seed_pairs(rows: &DataFrame, settings: &[String], all: bool) -> Po
         .join(rows, same.clone(), same, arguments)
         .filter(other(GROUP).lt(col(GROUP)).and(lit(all).or(other(GROUP).eq(col(PLACE)))))
         .filter(is_repeated().and(other(IS_ONE)).not())
+        .filter(enough(SEARCHED_STARTS).and(enough(&format!("{SEARCHED_STARTS}{OTHER}"))))
         .group_by_stable(pair.clone())
         .agg(columns)
         .with_columns(compared().map(|metric| adjusted(col(p_column(metric.name)))).collect::<Vec<_>>())
@@ -188,10 +197,15 @@ pub(crate) fn seed_pairs(rows: &DataFrame, settings: &[String], all: bool) -> Po
         .collect()
 }
 
+/// Whether a search has enough starts to be compared, in all episodes that are no search's.
+fn enough(starts: &str) -> Expr {
+    col(starts).fill_null(lit(MIN_STARTS)).gt_eq(lit(MIN_STARTS))
+}
+
 /// The number of episodes behind the rates of a row, or of the starts of a search.
 fn counted(suffix: &str) -> Expr {
     let column = |name: &str| col(format!("{name}{suffix}")).cast(DataType::Float64);
-    column(EPISODES.name).fill_null(column("search_starts"))
+    column(EPISODES.name).fill_null(column(SEARCHED_STARTS))
 }
 
 /// The number of the group in a row of these tables, or of the other one.

@@ -8,7 +8,7 @@ use crate::sim::{ActorId, Control};
 use base::keys;
 
 keys! {
-    /// UN R157's careful human, who decides in a verdict what was preventable, as a driver. Weaken it to see what the verdict
+    /// The careful human, with UN R157's times and brake, who decides in a verdict what was preventable, as a driver. Weaken it to see what the verdict
     /// makes of it.
     pub struct CarefulHumanKeys = "careful_human" {
         ..lane: LaneKeys,

@@ -81,6 +81,7 @@ impl GateArgs {
             let failed = compare::judge(&conditions, &comparison)?;
             let allow_external = report.manifest.call.allow_external;
             compare::tell_causes(&failed, &comparison, &RepeatArgs { allow_external, ..RepeatArgs::default() });
+            compare::tell_worse(&conditions, &failed, &comparison);
             Ok(ExitCode::of_gate(failed.is_empty()))
         };
         let codes = run.reports().map(|report| against(report).unwrap_or_else(|code| code));

@@ -122,8 +122,37 @@ fn common_starts(cell: &ComparedCell) -> String {
     }
 }
 
-/// Whether the driver after is better: by faults, those of searches too, and by collisions. Rows of several pedestrians count, or each pedestrian where there is one.
+/// What is shown to differ: by faults, those of searches too, and by collisions. Rows of several pedestrians count, or each pedestrian where there is one.
+struct Shown {
+    /// Whether all common starts end in the same episodes.
+    is_same: bool,
+    /// What is less after, and what is more.
+    fewer: Vec<String>,
+    more: Vec<String>,
+}
+
+/// Whether the driver after is better.
 fn answer(comparison: &ReportComparison) -> String {
+    let Shown { is_same, fewer, more } = shown(comparison);
+    let names: Vec<[&str; 2]> =
+        comparison.cells.iter().map(|cell| cell.keys.each_ref().map(|key| &*key.policy)).collect();
+    let who = Compared::of(&names);
+    match [fewer.is_empty(), more.is_empty()].map(|is_none| !is_none) {
+        _ if is_same => "Nothing changed: all common starts end in the same episodes.".into(),
+        [false, false] => "No difference in faults or collisions is shown.".into(),
+        shown => {
+            let costs = comparison.prices.iter().any(|(_, costs)| *costs);
+            format!("{}: {}.", who.verdict(shown, costs), [fewer, more].concat().join(", "))
+        }
+    }
+}
+
+/// The answer of a comparison in which the driver after is shown to be worse, in part or as a whole.
+pub fn worsening(comparison: &ReportComparison) -> Option<String> {
+    (!shown(comparison).more.is_empty()).then(|| answer(comparison))
+}
+
+fn shown(comparison: &ReportComparison) -> Shown {
     let is_pooled_too = |cell: &ComparedCell| {
         let keys = |other: &ComparedCell| other.keys.each_ref().map(|key| key.policy.clone());
         comparison.cells.iter().any(|other| other.is_pooled() && keys(other) == keys(cell))
@@ -138,9 +167,7 @@ fn answer(comparison: &ReportComparison) -> String {
     });
     let is_same = weighed.iter().flat_map(|(rates, _)| rates).all(|rate| rate.is_unchanged);
     let searches = || comparison.searches.iter().map(|each| &each.found);
-    if is_same && !weighed[0].0.is_empty() && searches().all(|rate| rate.changed.is_same()) {
-        return "Nothing changed: all common starts end in the same episodes.".into();
-    }
+    let is_same = is_same && !weighed[0].0.is_empty() && searches().all(|rate| rate.changed.is_same());
     weighed[0].0.extend(searches());
     let shown = |rates: &[&PairedRate], is_more: bool, what: &str| {
         let side = rates.iter().filter(|rate| (rate.difference() > 0.0) == is_more);
@@ -153,16 +180,7 @@ fn answer(comparison: &ReportComparison) -> String {
         let all = weighed.iter().filter_map(|(rates, what)| shown(rates, is_more, &format!("{word} {what}")));
         all.collect::<Vec<String>>()
     });
-    let names: Vec<[&str; 2]> =
-        comparison.cells.iter().map(|cell| cell.keys.each_ref().map(|key| &*key.policy)).collect();
-    let who = Compared::of(&names);
-    match [fewer.is_empty(), more.is_empty()].map(|is_none| !is_none) {
-        [false, false] => "No difference in faults or collisions is shown.".into(),
-        shown => {
-            let costs = comparison.prices.iter().any(|(_, costs)| *costs);
-            format!("{}: {}.", who.verdict(shown, costs), [fewer, more].concat().join(", "))
-        }
-    }
+    Shown { is_same, fewer, more }
 }
 
 /// The driver after and the driver before, as a sentence calls them.

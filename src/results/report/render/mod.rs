@@ -18,7 +18,7 @@ mod recheck_sections;
 mod judgement_page;
 
 pub use change_report::{ChangeReport, PlayedPair, change_page, change_text};
-pub use comparison_sections::comparison_report;
+pub use comparison_sections::{comparison_report, worsening};
 pub use episode::{Narrative, animation, narrative, strip};
 pub use judgement_page::judgement_page;
 pub use junit::{Suite, junit};

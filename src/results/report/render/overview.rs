@@ -11,7 +11,7 @@ use super::table::{Column, Mark, Selection, Table, Value};
 use crate::record::columns::{DRIVER, TOWN, WORLD};
 use crate::report::{DriverResult, Overview, Rate, SearchCell, Variant};
 use crate::tables::metrics::{EPISODES, compared, pooled as pooled_metrics};
-use crate::tables::overview::{SEEDS, WHO, p_column, setting_column};
+use crate::tables::overview::{SEARCHED_FAULTS, SEARCHED_STARTS, SEEDS, WHO, p_column, setting_column};
 use crate::tables::{Cell, FAULT_START_RATE, Metric, Row};
 use compile::HERE;
 
@@ -110,7 +110,9 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
         |(metric, is_sd)| if *is_sd { Column::number("sd").page_only() } else { Column::number(metric.word()) },
         |(metric, is_sd), pooled| {
             let rate = pooled.figure(metric.name, "");
+            let searched = [SEARCHED_FAULTS, SEARCHED_STARTS].map(|name| pooled.number(name).unwrap_or_default());
             match (rate.value, pooled.number(EPISODES.name)) {
+                (Some(_), None) if !*is_sd => format!("{:.0} of {:.0} starts", searched[0], searched[1]).into(),
                 _ if *is_sd => Value::number(rate.sd, 3),
                 (Some(0.0), Some(episodes)) if metric.is_share() => Value::Of(0, episodes as u64),
                 _ => over_seeds(&rate, false),
@@ -119,7 +121,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
     );
     let seeds = Table {
         title: "Over the seeds".into(),
-        notes: vec!["The mean over the seeds with Student's 95 % interval from four seeds on, else ± their standard deviation. Fixed cases that end alike at every seed are one run, without a spread. A search's fault is the share of starts with one.".into()],
+        notes: vec!["The mean over the seeds with Student's 95 % interval from four seeds on, else ± their standard deviation. Fixed cases that end alike at every seed are one run, without a spread. Of a search the starts with a fault are counted, of all starts that it tried.".into()],
         ..seeds.table(all.iter())
     };
     let p = |p: Option<f64>| match p {
@@ -144,7 +146,7 @@ fn pooled(overview: &Overview<'_>, everything: bool) -> PolarsResult<Vec<Table>>
     let differences = Table {
         title: "Differences, paired by seed".into(),
         notes: vec![
-            "p is Student's, two-sided, from four seeds on, with at least the spread that the counts allow, and with Holm's correction for all rows of a figure.".into(),
+            "p is Student's, two-sided, from four seeds on, with at least the spread that the counts allow, and with Holm's correction for all rows of a figure. A search that tried fewer than ten starts at a seed is compared with no other.".into(),
         ],
         ..differences.table(&pairs)
     };

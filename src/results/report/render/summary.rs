@@ -103,8 +103,7 @@ fn words(campaign: &Campaign) -> String {
     }
     text.push_str("## Names of the scenario\n\n");
     for word in &campaign.words {
-        let first = word.docs.split_inclusive(". ").next().unwrap_or_default().trim_end();
-        let _ = writeln!(text, "- {} **{}**: {first}", word.form, word.name);
+        let _ = writeln!(text, "- {} **{}**: {}", word.form, word.name, word.first_sentence());
     }
     text.push('\n');
     text

@@ -15,7 +15,7 @@ pub struct BrakeProfile {
 }
 
 impl BrakeProfile {
-    /// UN R157's careful human: a ramp of 0.6 s to 0.774 g.
+    /// UN R157's brake: a ramp of 0.6 s to 0.774 g.
     pub fn careful_human(wait: f64) -> Self {
         Self { wait, ramp: 0.6, full: 0.774 * GRAVITY }
     }

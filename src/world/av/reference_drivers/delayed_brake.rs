@@ -56,12 +56,12 @@ impl DelayedBrake {
         Self { gate, profile, clock: None }
     }
 
-    /// UN R157's careful human: at the gate it starts to evaluate the risk for 0.4 s, and brakes 0.75 s later.
+    /// A careful human with UN R157's times and brake: at the gate it starts to evaluate the risk for 0.4 s, and brakes 0.75 s later.
     pub fn careful_human() -> Self {
         Self::new(Some(Gate::CAREFUL), BrakeProfile::careful_human(Self::CAREFUL))
     }
 
-    /// UN R157's careful human who has evaluated the risk before the gate opens, and brakes 0.75 s after that.
+    /// The same who has evaluated the risk before the gate opens, and brakes 0.75 s after that.
     pub fn attentive_human() -> Self {
         Self::new(Some(Gate::CAREFUL), BrakeProfile::careful_human(Self::ATTENTIVE))
     }

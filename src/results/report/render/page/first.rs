@@ -99,8 +99,7 @@ fn tried(result: &DriverResult, cells: &[Cell]) -> u64 {
 /// The first sentence of what the scenario says about a driver.
 fn documentation(all: &Findings<'_>, name: &str) -> Markup {
     let word = all.campaign.words.iter().find(|word| word.form == "driver" && word.name == name);
-    let docs = word.map_or("", |word| word.docs.as_str());
-    prose(docs.split_inclusive(". ").next().unwrap_or_default().trim_end())
+    prose(word.map_or("", |word| word.first_sentence()))
 }
 
 /// What a failure is, in a line: its card tells how it came.

@@ -38,7 +38,7 @@ fn of_programs(found: &Findings<'_>) -> Vec<String> {
         let failures = found.gathered.failures.of(driver).len();
         (failures > 0).then(|| {
             format!(
-                "`{driver}` has failures from {failures} starts that are not here, since it is a program: \
+                "`{driver}` has failures from {failures} starts that are not analysed here, which would start its program again: \
                  `falsify failures REPORT --driver {driver} --allow-external --why`."
             )
         })

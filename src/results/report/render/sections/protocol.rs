@@ -9,7 +9,7 @@ const READING: &str = "A cell is the impact speed (km/h) at the test speed of it
      of the car less that of the target. *Not tested* is a cell whose test speed the driver did not hold within 1 km/h, with the speed that it drove (km/h), `–` a case that was not run, or that also a car passes that never brakes. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), a cell without \
-     points is not passed, and a row with a case that was not run has no score. Others pass without a collision, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
+     points is not passed, and a row with a case that was not run or not tested has no score. Others pass without a collision, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
      Where different episodes of a case were run, the worst speed stands there, and below it how many of them were not passed and the one-sided 95 % upper bound of their \
      share: \"0 of 20: at most 14 %\". Episodes that are equal to the bit are one.";
 /// Shown below the tables in a terminal.

@@ -73,7 +73,14 @@ fn pedestrians(found: &Findings<'_>) -> Vec<String> {
         // One pedestrian with faults is in the drivers' table.
         (rates.len() > 1).then(|| format!("faults in {name}: {}{of}", rates.join("; ")))
     };
-    worst.filter_map(line).collect()
+    let mut lines: Vec<String> = worst.filter_map(line).collect();
+    let is_named = |name: &str| {
+        lines.iter().any(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name))
+    };
+    let declared = found.campaign.words.iter().filter(|word| word.form == "pedestrian" && is_named(&word.name));
+    let told: Vec<String> = declared.map(|word| format!("{}: {}", word.name, word.first_sentence())).collect();
+    lines.extend(told);
+    lines
 }
 
 /// The number of episodes in which a driver or a pedestrian failed as a program, in Markdown; empty without any.
