@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use base::messages;
+use mcap::sans_io::LinearReaderOptions;
 use prost::Message;
 
 use super::messages::{Base, GroundTruth, Identifier, MovingObject};
@@ -19,7 +20,7 @@ messages! {
 /// A file that holds no trace of ground truth.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TraceError {
-    #[error("it is no MCAP file: {0}")]
+    #[error("it is a damaged MCAP file: {0}")]
     Mcap(String),
     #[error("there is no message of `osi3.GroundTruth` or `osi3.SensorView` in it; there is {0}")]
     Empty(String),
@@ -27,6 +28,8 @@ pub enum TraceError {
     Message { number: usize, reason: String },
     #[error("message {number} ends after {found} of {wanted} bytes: the file is cut")]
     Cut { number: usize, found: usize, wanted: usize },
+    #[error("{0}; cut the recording")]
+    Large(String),
     #[error("message {number}: the object {object} has no {what}")]
     Missing { number: usize, object: u64, what: &'static str },
     #[error(
@@ -44,10 +47,16 @@ const NO_CARS: [i32; 4] = [11, 15, 17, 18];
 /// Objects that are lower do not hide a pedestrian (m).
 const LOW: f64 = 1.2;
 
+/// The most bytes of a message, and of all chunks before they were compressed; the most messages, and the most states of actors.
+const MAX_MESSAGE: usize = 16 << 20;
+const MAX_CHUNKS: u64 = 4 << 30;
+const MAX_MESSAGES: usize = verdict::Recording::MAX_INSTANTS;
+const MAX_STATES: usize = 5_000_000;
+
 /// Reads a trace: an MCAP file, or messages with their lengths before them.
 ///
 /// # Errors
-/// The file is cut, holds no such messages, or they have no constant step.
+/// The file is cut, is larger than memory should hold, has no such messages, or they have no constant step.
 pub fn read(bytes: &[u8]) -> Result<RecordedScene, TraceError> {
     let mut reader = Reader::default();
     if bytes.starts_with(b"\x89MCAP") {
@@ -67,13 +76,25 @@ struct Reader {
     tracks: BTreeMap<u64, Vec<RecordedActor>>,
     obstacles: BTreeMap<u64, OrientedBox>,
     host: Option<u64>,
+    /// The number of states of all tracks.
+    states: usize,
 }
 
 impl Reader {
     fn read_mcap(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
         let failed = |error: mcap::McapError| TraceError::Mcap(error.to_string());
+        let mut chunks = 0_u64;
+        for record in mcap::read::LinearReader::new(bytes).map_err(failed)? {
+            if let mcap::records::Record::Chunk { header, .. } = record.map_err(failed)? {
+                chunks = chunks.saturating_add(header.uncompressed_size);
+            }
+        }
+        if chunks > MAX_CHUNKS {
+            return Err(TraceError::Large(format!("its chunks have {chunks} bytes; at most {MAX_CHUNKS} are read")));
+        }
         let mut others = BTreeMap::<String, usize>::new();
-        for message in mcap::MessageStream::new(bytes).map_err(failed)? {
+        let options = LinearReaderOptions::default().with_record_length_limit(MAX_MESSAGE);
+        for message in mcap::io::MessageReader::new_with_options(bytes, options) {
             let message = message.map_err(failed)?;
             let schema = message.channel.schema.as_ref().map_or("", |schema| &schema.name);
             let read = match schema {
@@ -103,6 +124,10 @@ impl Reader {
             let Some((data, next)) = after.split_at_checked(wanted) else {
                 return Err(TraceError::Cut { number, found: after.len(), wanted });
             };
+            if wanted > MAX_MESSAGE {
+                let most = format!("message {number} has {wanted} bytes; at most {MAX_MESSAGE} are read");
+                return Err(TraceError::Large(most));
+            }
             let refused = |error: prost::DecodeError| TraceError::Message { number, reason: error.to_string() };
             let is_truth = |truth: &GroundTruth| truth.timestamp.is_some() && !truth.moving_objects.is_empty();
             let truth = match GroundTruth::decode(data) {
@@ -115,11 +140,20 @@ impl Reader {
             self.add(&truth)?;
             rest = next;
         }
+        // Fewer than the four bytes of a length.
+        if !rest.is_empty() {
+            return Err(TraceError::Cut { number: self.times.len() + 1, found: rest.len(), wanted: 4 });
+        }
         Ok(())
     }
 
     fn add(&mut self, truth: &GroundTruth) -> Result<(), TraceError> {
         let instant = self.times.len();
+        self.states += truth.moving_objects.len();
+        if instant == MAX_MESSAGES || self.states > MAX_STATES {
+            let most = format!("it has more than {MAX_MESSAGES} messages or {MAX_STATES} states of objects");
+            return Err(TraceError::Large(most));
+        }
         let stamp = truth.timestamp.clone().unwrap_or_default();
         self.times.push(stamp.seconds.unwrap_or(0) as f64 + f64::from(stamp.nanos.unwrap_or(0)) * 1e-9);
         self.host = self.host.or(truth.host_vehicle.as_ref().map(|id| value(Some(id))));
