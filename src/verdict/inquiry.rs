@@ -176,6 +176,11 @@ impl<'a> Inquiry<'a> {
         })
     }
 
+    /// Whether the touch is preventable, and whether it is a fault.
+    pub(super) fn blame(&mut self) -> (bool, bool) {
+        (self.is_preventable(), self.class().is_fault())
+    }
+
     /// What the touch counts as.
     pub fn class(&mut self) -> Class {
         let motion = PedestrianMotion::new(&self.pair);

@@ -83,7 +83,7 @@ pub use oracle::ReferenceOracle;
 pub use price::Price;
 pub use published::{Answer, Published};
 pub use reaction::share_of_drivers;
-pub use recorded_scene::{Meeting, RecordedActor, RecordedScene};
+pub use recorded_scene::{Meeting, NamedMeeting, RecordedActor, RecordedScene};
 pub use recording::{Encountered, InstantFault, RecordedRequirement, Recording, RecordingError, Sizes};
 pub use recording_file::{HeadingUnit, RecordingFileError, Units};
 pub use recording_findings::{Damage, Finding};

@@ -16,8 +16,10 @@ pub struct Published {
     pub source: &'static str,
     /// What it takes for a danger.
     pub trigger: &'static str,
-    /// Whether others published it; ours are not counted among those.
+    /// Whether others published it.
     pub is_published: bool,
+    /// Whether it counts among those who avoid a touch: not ours, and not those whose trigger misses pedestrians whom their own source has them avoid.
+    pub votes: bool,
     driver: fn() -> Box<dyn ReferenceDriver>,
 }
 
@@ -40,9 +42,9 @@ fn reacting(reaction: f64) -> Box<dyn ReferenceDriver> {
 impl Published {
     /// All of them: those of others first.
     pub const ALL: [Self; 15] = [
-        Self::of("r157_cc", "JRC-FSM", "overlap, TTC 2 s", || Box::new(CutInBrake::human(0.0))),
-        Self::of("r157_cc_lane", "JRC-FSM", "1.135 m, TTC 2 s", || Box::new(CutInBrake::human(1.135))),
-        Self::of("esmini", "esmini, read", "towards the path", || Box::<AlksHuman>::default()),
+        Self::shown("r157_cc", "JRC-FSM", "overlap, TTC 2 s", || Box::new(CutInBrake::human(0.0))),
+        Self::shown("r157_cc_lane", "JRC-FSM", "1.135 m, TTC 2 s", || Box::new(CutInBrake::human(1.135))),
+        Self::shown("esmini", "esmini, read", "towards the path", || Box::<AlksHuman>::default()),
         Self::of("fsm", "JRC-FSM", "unsafe, on course", || Reference::FuzzySafety.driver()),
         Self::of("r157_system", "JRC-FSM", "0.5 m, TTC by speed", || Box::new(CutInBrake::regulation())),
         Self::of("rss_lanes", "JRC-FSM", "unsafe distances", || Box::new(CutInBrake::lanes())),
@@ -66,11 +68,20 @@ impl Published {
         trigger: &'static str,
         driver: fn() -> Box<dyn ReferenceDriver>,
     ) -> Self {
-        Self { name, source, trigger, is_published: true, driver }
+        Self { name, source, trigger, is_published: true, votes: true, driver }
+    }
+
+    const fn shown(
+        name: &'static str,
+        source: &'static str,
+        trigger: &'static str,
+        driver: fn() -> Box<dyn ReferenceDriver>,
+    ) -> Self {
+        Self { votes: false, ..Self::of(name, source, trigger, driver) }
     }
 
     const fn ours(name: &'static str, trigger: &'static str, driver: fn() -> Box<dyn ReferenceDriver>) -> Self {
-        Self { is_published: false, ..Self::of(name, "ours", trigger, driver) }
+        Self { is_published: false, ..Self::shown(name, "ours", trigger, driver) }
     }
 
     /// Drives an encounter with it.
@@ -100,6 +111,30 @@ pub struct Answer {
     pub trial: Trial,
     /// The car from then on, tick by tick, and its speed (m/s).
     pub poses: Vec<(Pose, f64)>,
+}
+
+impl Answer {
+    /// The time of what comes `before` a touch at this time (s); 0 if it comes before the recording.
+    pub fn time(before: Option<f64>, touch: f64) -> Option<f64> {
+        before.map(|before| (touch - before).max(0.0))
+    }
+
+    /// An object, with times of a recording whose touch is at this one (s); what does not apply is null.
+    pub fn to_json(&self, touch: f64) -> serde_json::Value {
+        serde_json::json!({
+            "driver": self.driver.name,
+            "source": self.driver.source,
+            "published": self.driver.is_published,
+            "votes": self.driver.votes,
+            "trigger": self.driver.trigger,
+            "trigger_s": Self::time(self.trigger, touch),
+            "ttc_at_trigger_s": self.ttc.filter(|ttc| ttc.is_finite()),
+            "brake_s": Self::time(self.brake, touch),
+            "avoids": self.trial.is_avoided(),
+            "impact_mps": self.trial.impact_speed,
+            "spare_m": self.trial.is_avoided().then_some(self.trial.least_gap),
+        })
+    }
 }
 
 /// A driver with a clock.

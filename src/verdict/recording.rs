@@ -3,11 +3,10 @@ use std::sync::Arc;
 use super::recording_findings::{
     Damage, Finding, contradiction, held, spikes_of_car, spikes_of_pedestrian, spikes_of_positions,
 };
-use super::recording_noise::{
-    HALF_SECOND, OF_PAIR, clean_car, clean_pedestrian, median_noise, noise, usual_speeds, walked,
-};
+use super::recording_noise::{HALF_SECOND, Noise, OF_PAIR, median_noise, noise, usual_speeds, walked};
 use super::recording_units::{Misfit, TrackOf, fits, misfit};
 use super::{Answer, Inquiry, NearMiss, Sensitivity, Verdict, ViolationVerdict};
+use base::seed::Seed;
 use episode::requirement::{Degree, NamedRequirement};
 use episode::{Driven, OtherDrive, Pair, Scenario, Trace, VehicleFrame, is_about_map};
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
@@ -170,14 +169,7 @@ impl Encountered {
     /// How much the verdict rests on what nobody knows exactly; `None` without a touch.
     pub fn sensitivity(&self) -> Option<Sensitivity> {
         let pair = self.trace.pair(&self.scenario, 0, 0);
-        let noises = self.findings.iter().filter_map(|finding| match finding.what {
-            Damage::Noise(noise) => Some(noise),
-            _ => None,
-        });
-        // A mean over half a second.
-        let noise = noises.fold(0.0, f64::max) * (self.step / HALF_SECOND).min(1.0).sqrt();
-        let is_preventable = self.verdict.as_ref()?.is_preventable();
-        Inquiry::new(&pair).map(|inquiry| Sensitivity::new(inquiry.encounter(), noise, is_preventable))
+        Inquiry::new(&pair).map(|inquiry| Sensitivity::new(inquiry.encounter()))
     }
 
     /// What each published driver does, and each of ours; empty without a touch.
@@ -216,8 +208,10 @@ impl Recording {
     const OF_WAY: (f64, f64) = (1.5, 0.3);
     const BESIDES: f64 = 0.5;
     const OF_NOISE: f64 = 6.0;
-    /// A noise of positions above this is told (m), and what happens at most this long before the danger decides the verdict (s).
-    const TOLD_NOISE: f64 = 0.005;
+    /// How often as much noise is added again to see whether it decides the verdict, and in how many of these the verdict may be another.
+    const NOISE_ADDED: u32 = 20;
+    const MAX_DIFFERENT: usize = 1;
+    /// What happens at most this long before the danger decides the verdict (s).
     const BEFORE_DANGER: f64 = 1.5;
     /// The same length of a pedestrian in a short step: a length (m), and what a speed (m/s) explains.
     const BESIDES_OF_PEDESTRIAN: (f64, f64) = (0.1, 4.0);
@@ -239,10 +233,7 @@ impl Recording {
     /// Those of [`Recording::new`].
     pub fn of_positions(dt: f64, ego: Vec<VehicleState>, positions: &[Point]) -> Result<Self, RecordingError> {
         let coordinates: Vec<Vector> = positions.iter().map(|position| position.coords).collect();
-        let mut pedestrian = walked(&coordinates, dt);
-        for (state, place) in pedestrian.iter_mut().zip(coordinates) {
-            (state.pose.x, state.pose.y) = (place.x, place.y);
-        }
+        let pedestrian = walked(&coordinates, dt);
         Self::checked(Self { dt, ego, pedestrian, is_walked: true, findings: Vec::new() })
     }
 
@@ -336,12 +327,14 @@ impl Recording {
             let places: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
             found.extend(spikes_of_positions(who, &places, known, dt));
             found.extend(held(who, &places, dt));
-            let noise = noise(&places);
-            if noise > Self::TOLD_NOISE {
-                found.push(Finding::new(who, (0, track.len() - 1), Damage::Noise(noise)));
-            }
         }
         found.extend(jumps.into_iter().flatten());
+        let Noise { car, pedestrian } = self.noise();
+        let noisy = ["positions", "speeds", "headings"].into_iter().zip(car).map(|noise| ("car", noise));
+        let walking = ["positions", "velocities"].into_iter().zip(pedestrian).map(|noise| ("pedestrian", noise));
+        for (who, (quantity, noise)) in noisy.chain(walking).filter(|(_, (_, noise))| *noise > 0.0) {
+            found.push(Finding::new(who, (0, self.ego.len() - 1), Damage::Noise(quantity, noise)));
+        }
         found.sort_by_key(|finding| finding.first);
         Ok(found)
     }
@@ -352,6 +345,24 @@ impl Recording {
         let first = ((touch - warning - Self::BEFORE_DANGER) / self.dt).floor();
         let lies_there = |finding: &&Finding| finding.first as f64 <= last && finding.last as f64 >= first;
         self.findings.iter().filter(|finding| finding.decides()).find(lies_there).cloned()
+    }
+
+    fn noise(&self) -> Noise {
+        Noise::of(&self.ego, &self.pedestrian, self.is_walked, self.dt)
+    }
+
+    /// The first finding about noise, if the verdict is another with as much noise again.
+    fn decided_by_noise(&self, scenario: &Scenario, verdict: (bool, bool)) -> Option<Finding> {
+        let finding = self.findings.iter().find(|finding| matches!(finding.what, Damage::Noise(..)))?;
+        let (noise, mut stream) = (self.noise(), Seed::root(0).child("judge").child("noise").stream());
+        let differs = |_: &u32| {
+            let mut again = self.clone();
+            noise.add(&mut again.ego, &mut again.pedestrian, &mut stream);
+            let (trace, ..) = again.trace(scenario);
+            let pair = trace.pair(scenario, 0, 0);
+            Inquiry::new(&pair).map(|mut inquiry| inquiry.blame()) != Some(verdict)
+        };
+        ((0..Self::NOISE_ADDED).filter(differs).count() > Self::MAX_DIFFERENT).then(|| finding.clone())
     }
 
     /// The steps whose length, or to a side, is more than a share of what the speed explains, a length (m) and the noise.
@@ -413,7 +424,10 @@ impl Recording {
         let requirements = requirements.collect();
         let mut inquiry = Inquiry::new(&pair);
         let begins_late = inquiry.as_mut().and_then(Inquiry::begins_late);
-        let undecided = inquiry.as_ref().and_then(|inquiry| self.undecided(touch?, inquiry.encounter().warning));
+        let undecided = inquiry.as_mut().and_then(|inquiry| {
+            let damaged = self.undecided(touch?, inquiry.encounter().warning);
+            damaged.or_else(|| self.decided_by_noise(&scenario, inquiry.blame()))
+        });
         Encountered {
             touch,
             least_gap,
@@ -467,7 +481,7 @@ impl Recording {
         moved < -explained / 2.0 && explained > 0.0
     }
 
-    /// The tracks up to the first touch, without noise, whether the car reversed and is turned round, and the tick (s). The touch moves the pedestrian, so what
+    /// The tracks up to the first touch, whether the car reversed and is turned round, and the tick (s). The touch moves the pedestrian, so what
     /// follows says nothing of the motion before it.
     fn trace(&self, scenario: &Scenario) -> (Trace, bool, f64) {
         let (blueprint, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
@@ -496,24 +510,17 @@ impl Recording {
             }
         }
         let mut touch = first.and_then(|_| touched(&ego, &walking));
-        clean_car(&mut ego, self.dt);
         let velocity_noise = if self.is_walked {
             let positions: Vec<Vector> = walking.iter().map(|state| state.pose.position().coords).collect();
             walking = walked(&positions, self.dt);
             noise(&positions) / HALF_SECOND
         } else {
-            let velocities: Vec<Vector> = walking.iter().map(|state| state.velocity).collect();
-            clean_pedestrian(&mut walking, self.dt);
-            median_noise(&velocities, OF_PAIR)
+            median_noise(&walking.iter().map(|state| state.velocity).collect::<Vec<_>>(), OF_PAIR)
         };
-        // Without noise they may touch a moment earlier, or later than the recording tells.
-        if let Some((step, contact)) = first.and_then(|_| touched(&ego, &walking)) {
-            (instants, touch) = (step + 2, Some((step, contact)));
-        }
         let parts = touch.map_or(1, |_| self.parts());
         if parts > 1 {
             (ego, walking) = (refined(&ego[..instants], parts), refined(&walking[..instants], parts));
-            // That of the noisy tracks, if these miss each other.
+            // That of the whole step, if its parts miss each other.
             touch = touched(&ego, &walking).or(touch.map(|(step, contact)| {
                 let place = contact.fraction * parts as f64;
                 let part = place.floor().min(parts as f64 - 1.0);

@@ -31,8 +31,8 @@ pub enum Damage {
     Contradiction { lasts: f64, moved: Vector, told: Vector },
     /// Positions that are repeated for as long (s).
     Held(f64),
-    /// Noise of positions: its standard deviation (m).
-    Noise(f64),
+    /// Noise of positions (m), speeds or velocities (m/s), or headings (rad): its standard deviation.
+    Noise(&'static str, f64),
 }
 
 impl Finding {
@@ -42,7 +42,7 @@ impl Finding {
 
     /// Whether an answer that rests on these instants is none.
     pub fn decides(&self) -> bool {
-        !matches!(self.what, Damage::Noise(_))
+        !matches!(self.what, Damage::Noise(..))
     }
 }
 
@@ -80,9 +80,13 @@ impl fmt::Display for Finding {
                 f,
                 "{place}: positions of the {who} are repeated for {time:.2} s; give only rows with a new position, at their own step"
             ),
-            Damage::Noise(noise) => {
-                write!(f, "positions of the {who} have a noise of {noise:.3} m: they are smoothed over at most 0.5 s")
+            Damage::Noise(quantity @ "positions", noise) => {
+                write!(f, "{quantity} of the {who} have a noise of {noise:.3} m")
             }
+            Damage::Noise(quantity @ "headings", noise) => {
+                write!(f, "{quantity} of the {who} have a noise of {:.1} deg", noise.to_degrees())
+            }
+            Damage::Noise(quantity, noise) => write!(f, "{quantity} of the {who} have a noise of {noise:.2} m/s"),
         }
     }
 }

@@ -160,9 +160,12 @@ fn a_row_without_speed_is_no_stop() {
 #[test]
 fn positions_may_be_rounded_or_held() {
     let round = |number: &mut f64, step: f64| *number = (*number / step).round() * step;
-    unchanged(&[10.0, 20.0, 50.0, 100.0], "rounded to 0.1 m", |rows, _| {
+    let rounded = |rows: &mut Vec<Row>, _| {
         rows.iter_mut().for_each(|row| [1, 2, 5, 6].map(|place| round(&mut row[place], 0.1)).into_iter().collect());
-    });
+    };
+    unchanged(&[10.0, 20.0, 50.0], "rounded to 0.1 m", rounded);
+    // As coarse as a step of the car.
+    unchanged_or(&[100.0], "rounded to 0.1 m", rounded, &["positions of the car have a noise"]);
     unchanged(&[50.0, 100.0], "held for 0.1 s", |rows, rate| {
         let held = rows.clone();
         let every = (0.1 * rate) as usize;
