@@ -245,7 +245,7 @@ impl<'a> Inquiry<'a> {
     pub fn answers(&mut self) -> Vec<Answer> {
         let Some(mut earlier) = Encounter::in_sight(&self.pair) else { return Vec::new() };
         let mut answer = |driver: &'static Published| {
-            driver.answer(if driver.is_published { &mut earlier } else { &mut self.encounter })
+            driver.answer(if driver.is_published() { &mut earlier } else { &mut self.encounter })
         };
         Published::ALL.iter().map(&mut answer).collect()
     }

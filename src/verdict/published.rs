@@ -12,17 +12,18 @@ use world::av::reference_drivers::{
 #[derive(Debug, Clone, Copy)]
 pub struct Published {
     pub name: &'static str,
-    /// Who wrote it down.
+    /// Who wrote it down, or `ours`.
     pub source: &'static str,
     /// What it takes for a danger.
     pub trigger: &'static str,
-    /// Whether others published it.
-    pub is_published: bool,
-    /// Whether it counts among those who avoid a touch: not ours, and not those whose trigger misses pedestrians whom their own source has them avoid.
+    /// Whether it counts among those who avoid a touch: not ours, not JRC's human, which fails its regulation's clause on pedestrians, and not esmini's, which
+    /// ignores who stands.
     pub votes: bool,
     driver: fn() -> Box<dyn ReferenceDriver>,
 }
 
+/// The source of those that nobody else published.
+const OURS: &str = "ours";
 /// A deceleration above this (m/s²) is braking.
 const BRAKING: f64 = 0.5;
 
@@ -42,46 +43,39 @@ fn reacting(reaction: f64) -> Box<dyn ReferenceDriver> {
 impl Published {
     /// All of them: those of others first.
     pub const ALL: [Self; 15] = [
-        Self::shown("r157_cc", "JRC-FSM", "overlap, TTC 2 s", || Box::new(CutInBrake::human(0.0))),
-        Self::shown("r157_cc_lane", "JRC-FSM", "1.135 m, TTC 2 s", || Box::new(CutInBrake::human(1.135))),
-        Self::shown("esmini", "esmini, read", "towards the path", || Box::<AlksHuman>::default()),
-        Self::of("fsm", "JRC-FSM", "unsafe, on course", || Reference::FuzzySafety.driver()),
-        Self::of("r157_system", "JRC-FSM", "0.5 m, TTC by speed", || Box::new(CutInBrake::regulation())),
-        Self::of("rss_lanes", "JRC-FSM", "unsafe distances", || Box::new(CutInBrake::lanes())),
-        Self::of("rss_free", "ad-rss, CARLA", "no stop apart", || Box::new(Rss::free())),
-        Self::of("surprised", "Green 2000", "in the path", || reacting(SURPRISED)),
-        Self::of("unalerted", "Taoka 1989", "in the path", || reacting(UNALERTED)),
-        Self::of("r152_aeb", "UN R152", "on course, 1.17 s", || {
+        Self::new("r157_cc", "JRC-FSM", "overlap, TTC 2 s", false, || Box::new(CutInBrake::human(0.0))),
+        Self::new("r157_cc_lane", "JRC-FSM", "1.135 m, TTC 2 s", false, || Box::new(CutInBrake::human(1.135))),
+        Self::new("esmini", "esmini, read", "towards the path", false, || Box::<AlksHuman>::default()),
+        Self::new("fsm", "JRC-FSM", "unsafe, on course", true, || Reference::FuzzySafety.driver()),
+        Self::new("r157_system", "JRC-FSM", "0.5 m, TTC by speed", true, || Box::new(CutInBrake::regulation())),
+        Self::new("rss_lanes", "JRC-FSM", "unsafe distances", true, || Box::new(CutInBrake::lanes())),
+        Self::new("rss_free", "ad-rss, CARLA", "no stop apart", true, || Box::new(Rss::free())),
+        Self::new("surprised", "Green 2000", "in the path", true, || reacting(SURPRISED)),
+        Self::new("unalerted", "Taoka 1989", "in the path", true, || reacting(UNALERTED)),
+        Self::new("r152_aeb", "UN R152", "on course, 1.17 s", true, || {
             let gate = Gate { least: R152.1, in_time: false, ..Gate::CAREFUL };
             Box::new(DelayedBrake::new(Some(gate), BrakeProfile { wait: 0.0, ramp: 0.0, full: R152.0 }))
         }),
-        Self::ours("cc", "on course, in time", || Reference::CarefulHuman.driver()),
-        Self::ours("cc_attentive", "on course, in time", || Reference::AttentiveHuman.driver()),
-        Self::ours("rss_straight", "no stop apart", || Reference::Rss.driver()),
-        Self::ours("ideal", "on course, in time", || Reference::IdealBrake.driver()),
-        Self::ours("bound", "towards the path", || Reference::Bound.driver()),
+        Self::new("cc", OURS, "on course, in time", false, || Reference::CarefulHuman.driver()),
+        Self::new("cc_attentive", OURS, "on course, in time", false, || Reference::AttentiveHuman.driver()),
+        Self::new("rss_straight", OURS, "no stop apart", false, || Reference::Rss.driver()),
+        Self::new("ideal", OURS, "on course, in time", false, || Reference::IdealBrake.driver()),
+        Self::new("bound", OURS, "towards the path", false, || Reference::Bound.driver()),
     ];
 
-    const fn of(
+    const fn new(
         name: &'static str,
         source: &'static str,
         trigger: &'static str,
+        votes: bool,
         driver: fn() -> Box<dyn ReferenceDriver>,
     ) -> Self {
-        Self { name, source, trigger, is_published: true, votes: true, driver }
+        Self { name, source, trigger, votes, driver }
     }
 
-    const fn shown(
-        name: &'static str,
-        source: &'static str,
-        trigger: &'static str,
-        driver: fn() -> Box<dyn ReferenceDriver>,
-    ) -> Self {
-        Self { votes: false, ..Self::of(name, source, trigger, driver) }
-    }
-
-    const fn ours(name: &'static str, trigger: &'static str, driver: fn() -> Box<dyn ReferenceDriver>) -> Self {
-        Self { is_published: false, ..Self::shown(name, "ours", trigger, driver) }
+    /// Whether others published it.
+    pub fn is_published(&self) -> bool {
+        self.source != OURS
     }
 
     /// Drives an encounter with it.
@@ -124,7 +118,7 @@ impl Answer {
         serde_json::json!({
             "driver": self.driver.name,
             "source": self.driver.source,
-            "published": self.driver.is_published,
+            "published": self.driver.is_published(),
             "votes": self.driver.votes,
             "trigger": self.driver.trigger,
             "trigger_s": Self::time(self.trigger, touch),

@@ -320,12 +320,9 @@ impl Recording {
         if !self.is_walked {
             found.extend(spikes_of_pedestrian(&self.pedestrian, dt));
         }
-        let driven: Vec<Vector> = self.ego.iter().map(|state| state.pose.forward() * state.speed).collect();
-        let walking: Vec<Vector> = self.pedestrian.iter().map(|state| state.velocity).collect();
-        let known = [Some(&driven[..]), (!self.is_walked).then_some(&walking[..])];
-        for ((who, track, _), known) in tracks.iter().zip(known) {
+        for (who, track, _) in &tracks {
             let places: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
-            found.extend(spikes_of_positions(who, &places, known, dt));
+            found.extend(spikes_of_positions(who, &places, dt));
             found.extend(held(who, &places, dt));
         }
         found.extend(jumps.into_iter().flatten());
@@ -450,17 +447,13 @@ impl Recording {
     /// How near two came who did not touch, and their least distance (m): between two instants they move on a line.
     fn nearest(pair: &Pair<'_>) -> (NearMiss, f64) {
         let parts = (pair.dt() / RESOLUTION).ceil().min((MAX_PLACES / pair.len()) as f64).max(1.0) as usize;
-        let (mut driving, mut walking) = (Vec::new(), Vec::new());
-        for (from, to) in pair.frames().zip(pair.frames().skip(1).chain(pair.last())) {
-            for share in (0..parts).map(|part| part as f64 / parts as f64) {
-                driving.push(VehicleFrame { state: from.ego.between(&to.ego, share), driven: Driven::default() });
-                walking.push(from.pedestrian.between(&to.pedestrian, share));
-            }
-        }
+        let cars: Vec<VehicleState> = pair.frames().map(|frame| frame.ego).collect();
+        let walking = refined(pair.walking, parts);
+        let driving = refined(&cars, parts).into_iter().map(|state| VehicleFrame { state, driven: Driven::default() });
         let mut scenario = pair.scenario.clone();
         scenario.episode.tick = pair.dt() / parts as f64;
         let decisions = vec![WalkCommand::default(); walking.len() - 1];
-        let trace = Trace::recorded(driving, walking, decisions, None, 0.0);
+        let trace = Trace::recorded(driving.collect(), walking, decisions, None, 0.0);
         let fine = trace.pair(&scenario, 0, 0);
         (NearMiss::new(&fine), fine.frames().map(|frame| fine.gap(&frame)).fold(f64::INFINITY, f64::min))
     }

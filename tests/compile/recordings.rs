@@ -5,7 +5,7 @@ use std::fmt::Write;
 use base::seed::{Seed, Stream};
 use episode::Scenario;
 use rand::RngExt;
-use verdict::{Encountered, Recording, RecordingFileError};
+use verdict::{Encountered, Recording, RecordingFileError, Units};
 
 /// An encounter on a straight road. The car drives east; its bumper is at `x = 0` at time 0.
 #[derive(Clone, Copy)]
@@ -73,7 +73,7 @@ fn csv(rows: &[Row], columns: usize) -> String {
 const WITH_AND_WITHOUT: [usize; 2] = [9, 7];
 
 fn judged(scenario: &Scenario, rows: &[Row], columns: usize) -> Result<Encountered, RecordingFileError> {
-    Ok(Recording::from_csv(&csv(rows, columns))?.judged_without_obstacles(scenario))
+    Ok(Recording::from_csv(&csv(rows, columns), &Units::default())?.judged_without_obstacles(scenario))
 }
 
 /// The class of a recording, or why it is refused.

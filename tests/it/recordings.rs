@@ -5,7 +5,7 @@ use std::path::Path;
 
 use needs::needs;
 use proptest::prelude::*;
-use verdict::Recording;
+use verdict::{Recording, Units};
 
 use crate::program::{error, falsify, said};
 use crate::reference;
@@ -271,7 +271,7 @@ fn recordings_of_the_reference_folder_have_units_that_fit() {
         if !text.lines().next().is_some_and(|header| header.contains("ego_yaw_deg")) {
             continue;
         }
-        Recording::from_csv(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        Recording::from_csv(&text, &Units::default()).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         let wrong = |column: &str, change: fn(f64) -> f64| {
             let place =
                 text.lines().next().and_then(|header| header.split(',').position(|name| name == column)).unwrap();
@@ -283,7 +283,7 @@ fn recordings_of_the_reference_folder_have_units_that_fit() {
                 fields.join(",")
             };
             let changed: Vec<String> = text.lines().enumerate().map(line).collect();
-            Recording::from_csv(&changed.join("\n")).unwrap_err().to_string()
+            Recording::from_csv(&changed.join("\n"), &Units::default()).unwrap_err().to_string()
         };
         assert!(wrong("ego_speed_mps", |speed| 3.6 * speed).contains("the speeds look like km/h"));
         let hasty = wrong("time_s", |time| time / 10.0);
@@ -299,7 +299,7 @@ proptest! {
     fn any_text_is_a_recording_or_an_error_that_names_its_place(rows in "([-0-9.,eNainf\" ]{0,40}\n){0,6}", header in any::<bool>()) {
         let names = "time_s,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps,pedestrian_x_m,pedestrian_y_m\n";
         let text = if header { format!("{names}{rows}") } else { rows };
-        if let Err(error) = Recording::from_csv(&text) {
+        if let Err(error) = Recording::from_csv(&text, &Units::default()) {
             let text = error.to_string();
             let names_a_place = ["line ", "column ", "instant"].iter().any(|word| text.contains(word));
             prop_assert!(names_a_place || text.contains("between two instants"), "{}", text);

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from . import Unreadable, write
 
-FORMATS = {"ind": "ind", "round": "ind", "rosbag": "rosbag", "sumo": "sumo"}
+FORMATS = {"ind": "ind", "round": "ind", "rosbag": "rosbag", "py123d": "driven", "sumo": "sumo"}
 USAGE = f"usage: python3 -m falsify_av.recordings FORMAT FILE OUT.osi\nformats: {', '.join(FORMATS)}"
 
 

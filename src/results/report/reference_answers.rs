@@ -38,13 +38,9 @@ impl ReferenceAnswers<'_> {
             .number("at (s)", move |answer| at(answer.trigger))
             .number("TTC (s)", |answer| Value::number(answer.ttc.filter(|ttc| ttc.is_finite()), 2))
             .number("brakes (s)", move |answer| at(answer.brake))
+            .number("hits (m/s)", |answer| Value::number(answer.trial.impact_speed, 1))
+            .number("spare (m)", |answer| Value::number(answer.trial.is_avoided().then_some(answer.trial.least_gap), 2))
             .text("votes", |answer| Value::text(if answer.driver.votes { "yes" } else { "no" }))
-            .text("ends", |answer| {
-                Value::text(match answer.trial.impact_speed {
-                    None => format!("avoids, {:.2} m", answer.trial.least_gap),
-                    Some(speed) => format!("hits, {speed:.1} m/s"),
-                })
-            })
             .table(self.answers)
     }
 

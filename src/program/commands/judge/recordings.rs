@@ -36,7 +36,7 @@ impl Recordings {
         let ends = |end: &str| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(end));
         if !ends("mcap") && !ends("osi") {
             let text = base::files::text(file).map_err(|error| reason(&error))?;
-            let recording = Recording::from_csv_in(&text, units).map_err(|error| with_option(&error.to_string()))?;
+            let recording = Recording::from_csv(&text, units).map_err(|error| with_option(&error.to_string()))?;
             let dt = recording.dt();
             let (car, pedestrian) = ("ego".to_owned(), "pedestrian".to_owned());
             let (sizes, obstacles) = (Sizes::default(), Obstacles::new(&[]).into());
@@ -73,7 +73,7 @@ impl Recordings {
                     let (answers, sensitivity, begins) = (found.answers(), found.sensitivity(), first as f64 * self.dt);
                     all.encounters.push(JudgedMeeting { car, pedestrian, begins, found, answers, sensitivity });
                 }
-                Err(error) => all.unjudged.push(Unjudged { car, pedestrian, reason: with_option(&error.to_string()) }),
+                Err(error) => all.unjudged.push(Unjudged { car, pedestrian, reason: with_velocity(&error) }),
             }
         }
         JudgedMeeting::sort(&mut all.encounters);
@@ -112,5 +112,15 @@ fn with_option(reason: &str) -> String {
     match option.or(reason.contains(body).then_some("--no-velocity")) {
         Some(option) => format!("{reason} (`{option}`)"),
         None => reason.to_owned(),
+    }
+}
+
+/// The same of a pair in a trace, whose units are those of its standard.
+fn with_velocity(error: &RecordingError) -> String {
+    match error {
+        RecordingError::Units { who: "pedestrian", .. } | RecordingError::Heading { who: "pedestrian", .. } => {
+            format!("{error} (`--no-velocity` takes its velocity from its positions)")
+        }
+        _ => error.to_string(),
     }
 }
