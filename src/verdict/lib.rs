@@ -37,6 +37,7 @@
 mod driven_path;
 mod sight;
 mod encounter;
+mod recording_error;
 mod recording_noise;
 mod reference;
 mod trial;
@@ -84,7 +85,8 @@ pub use price::Price;
 pub use published::{Answer, Published};
 pub use reaction::share_of_drivers;
 pub use recorded_scene::{Meeting, NamedMeeting, RecordedActor, RecordedScene};
-pub use recording::{Encountered, InstantFault, RecordedRequirement, Recording, RecordingError, Sizes};
+pub use recording::{Encountered, RecordedRequirement, Recording, Sizes};
+pub use recording_error::{InstantFault, RecordingError};
 pub use recording_file::{HeadingUnit, RecordingFileError, Units};
 pub use recording_findings::{Damage, Finding};
 pub use reference::Reference;

@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
+use super::recording_error::{InstantFault, MAX_INSTANTS, RecordingError};
 use super::recording_findings::{
     Damage, Finding, contradiction, held, spikes_of_car, spikes_of_pedestrian, spikes_of_positions,
 };
 use super::recording_noise::{HALF_SECOND, Noise, OF_PAIR, median_noise, noise, usual_speeds, walked};
-use super::recording_units::{Misfit, TrackOf, fits, misfit};
+use super::recording_units::{TrackOf, fits, misfit};
 use super::{Answer, Inquiry, NearMiss, Sensitivity, Verdict, ViolationVerdict};
 use base::seed::Seed;
 use episode::requirement::{Degree, NamedRequirement};
@@ -94,48 +95,6 @@ impl Sizes {
     }
 }
 
-/// A recording that cannot be judged.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RecordingError {
-    #[error("there are {ego} instants of the car and {pedestrian} of the pedestrian; give the same number of both, 2 to {most}", most = Recording::MAX_INSTANTS)]
-    Instants { ego: usize, pedestrian: usize },
-    #[error("the time between two instants is {step} s; {}give 0.001 s to 0.5 s", unit_of_time(*.step))]
-    Step { step: f64 },
-    #[error("`{quantity}` is {size}; give {low} to {high} {unit}")]
-    Size { quantity: &'static str, size: f64, low: f64, high: f64, unit: &'static str },
-    #[error("instant {instant}: {fault}")]
-    Instant { instant: usize, fault: InstantFault },
-    #[error("the {who} moves {} its speed and the step of {dt} s explain: {likely}", times(*ratio))]
-    Units { who: &'static str, ratio: f64, dt: f64, likely: String },
-    #[error(
-        "the {who} moves at {degrees:.0} deg from its heading: {likely}{}",
-        if *.who == "car" { "" } else { ". Where it is that of the body, as in boxes of data sets, leave out speed and heading: they then come from the positions" }
-    )]
-    Heading { who: &'static str, degrees: f64, likely: &'static str },
-}
-
-/// What is wrong at an instant of a recording, or from it on.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum InstantFault {
-    #[error("the {quantity} is {number}; give {low} to {high}")]
-    Number { quantity: &'static str, number: f64, low: f64, high: f64 },
-}
-
-/// What a time between two instants (s) that is too long looks like.
-fn unit_of_time(step: f64) -> &'static str {
-    match step {
-        5.0..=500.0 => "the times look like milliseconds; ",
-        5e3..=5e5 => "the times look like microseconds; ",
-        5e6..=5e8 => "the times look like nanoseconds; ",
-        _ => "",
-    }
-}
-
-/// How much farther something moves than is explained.
-fn times(ratio: f64) -> String {
-    if ratio.is_finite() { format!("{ratio:.2} times as far as") } else { "farther than".into() }
-}
-
 /// What a recording shows.
 #[derive(Debug, Clone)]
 pub struct Encountered {
@@ -196,7 +155,7 @@ pub struct RecordedRequirement {
 
 impl Recording {
     /// The most instants: 80 minutes at 20 Hz.
-    pub const MAX_INSTANTS: usize = 100_000;
+    pub const MAX_INSTANTS: usize = MAX_INSTANTS;
     /// The greatest coordinate (m): ten earths.
     const MAX_COORDINATE: f64 = 1e8;
     /// The greatest heading (rad).
@@ -305,15 +264,7 @@ impl Recording {
         let is_whole = |place: usize| jumps[place].is_empty() || jumps[place].len() * 2 > self.ego.len();
         for (_, (who, track, track_of)) in told.iter().enumerate().filter(|(place, _)| !fits_before && is_whole(*place))
         {
-            match misfit(track, dt, *track_of) {
-                None => {}
-                Some(Misfit::Speed { ratio, likely }) => {
-                    return Err(RecordingError::Units { who, ratio, dt: (dt * 1e6).round() / 1e6, likely });
-                }
-                Some(Misfit::Heading { degrees, likely }) => {
-                    return Err(RecordingError::Heading { who, degrees, likely });
-                }
-            }
+            misfit(who, track, dt, *track_of)?;
         }
         let mut found: Vec<Finding> = first.into_iter().map(|(part, ..)| part).collect();
         found.extend(spikes_of_car(&self.ego, dt));

@@ -19,32 +19,32 @@ pub(super) const SIGNIFICANT: f64 = 4.0;
 const OF_NUMBER: f64 = 0.674;
 pub(super) const OF_PAIR: f64 = 1.177;
 
+/// The middle number, the lower one of two; 0 without any.
+pub(super) fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut numbers: Vec<f64> = numbers.collect();
+    let Some(last) = numbers.len().checked_sub(1) else { return 0.0 };
+    *numbers.select_nth_unstable_by(last / 2, f64::total_cmp).1
+}
+
 /// The standard deviation of the difference of two values by noise, from the median of their second differences: a body changes its velocity
 /// little between two instants. `usual` is the median of such a difference, in standard deviations.
 pub(super) fn median_noise(values: &[Vector], usual: f64) -> f64 {
-    let mut changes: Vec<f64> =
-        values.windows(3).map(|near| ((near[2] - near[1]) - (near[1] - near[0])).norm()).collect();
-    let Some(last) = changes.len().checked_sub(1) else { return 0.0 };
-    let (_, median, _) = changes.select_nth_unstable_by(last / 2, f64::total_cmp);
+    let changes = values.windows(3).map(|near| ((near[2] - near[1]) - (near[1] - near[0])).norm());
     // Each coordinate of a second difference deviates by the square root of 6.
-    *median / (usual * 6.0_f64.sqrt()) * 2.0_f64.sqrt()
+    median(changes) / (usual * 6.0_f64.sqrt()) * SQRT_2
 }
 
 /// The instants at which values that are rounded, or held for several instants, change, and how many they are usually held for; `None` if most are not.
 fn holds(values: &[Vector]) -> Option<(Vec<usize>, usize)> {
     let changed: Vec<usize> = (1..values.len()).filter(|place| values[*place] != values[*place - 1]).collect();
-    let mut held: Vec<usize> = changed.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = held.len() / 2;
-    let usual = if held.is_empty() { 1 } else { *held.select_nth_unstable(middle).1 };
+    let usual = median(changed.windows(2).map(|pair| (pair[1] - pair[0]) as f64)) as usize;
     (usual > 1).then_some((changed, usual))
 }
 
 /// The same of values that are rounded or held: the usual step between them is the width of an equal distribution.
 pub(super) fn step_noise(values: &[Vector]) -> f64 {
     let Some((changed, _)) = holds(values) else { return 0.0 };
-    let mut steps: Vec<f64> = changed.iter().map(|place| (values[*place] - values[*place - 1]).norm()).collect();
-    let middle = (steps.len() - 1) / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1 / 6.0_f64.sqrt()
+    median(changed.iter().map(|place| (values[*place] - values[*place - 1]).norm())) / 6.0_f64.sqrt()
 }
 
 /// How many instants in a row most positions are held for; `None` if they are not.
@@ -108,12 +108,8 @@ pub(super) fn walked(positions: &[Vector], dt: f64) -> Vec<PedestrianState> {
 pub(super) fn usual_speeds(positions: &[Vector], dt: f64) -> Vec<f64> {
     let around = (half_second(dt) as usize / 2).max(2);
     let steps: Vec<f64> = positions.windows(2).map(|pair| (pair[1] - pair[0]).norm() / dt).collect();
-    let usual = |place: usize| {
-        let mut near = steps[place.saturating_sub(around + 1)..steps.len().min(place + around)].to_vec();
-        let middle = near.len() / 2;
-        *near.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    (0..positions.len()).map(usual).collect()
+    let near = |place: usize| &steps[place.saturating_sub(around + 1)..steps.len().min(place + around)];
+    (0..positions.len()).map(|place| median(near(place).iter().copied())).collect()
 }
 
 /// The ways that velocities explain, from the first instant.

@@ -230,54 +230,39 @@ pub fn meetings_for_terminal(all: &[JudgedMeeting], width: u16) -> String {
         .to_terminal(width)
 }
 
+/// A car, a pedestrian, and how they meet or why that is not judged.
+type Row<'a> = (&'a str, &'a str, Result<&'a JudgedMeeting, &'a str>);
+
 /// A row for each pair, for CSV.
 pub fn meetings_table(all: &JudgedRecording) -> polars::prelude::DataFrame {
     let table: Table<'_, Row<'_>> =
         Table::new("encounters", "One row for each pair.").columns(entries! { row: &Row<'_>;
             /// the car
-            car: String = row.car.to_owned();
+            car: String = row.0.to_owned();
             /// the pedestrian
-            pedestrian: String = row.pedestrian.to_owned();
+            pedestrian: String = row.1.to_owned();
             /// time of the touch in the recording, empty without one
-            touch_s: f64 ["s"] = row.judged.and_then(JudgedMeeting::touch);
+            touch_s: f64 ["s"] = row.2.ok().and_then(JudgedMeeting::touch);
             /// its verdict; `not judged` if the recording of the two does not allow any
-            verdict: String = row.judged.map_or("not judged", JudgedMeeting::word);
+            verdict: String = row.2.map_or("not judged", JudgedMeeting::word);
             /// speed of the car at the touch
-            impact_speed_mps: f64 ["m/s"] = row.judged.and_then(|each| Some(each.told()?.impact_speed));
+            impact_speed_mps: f64 ["m/s"] = row.2.ok().and_then(|each| Some(each.told()?.impact_speed));
             /// published drivers that avoid the touch, of those who vote
-            votes_avoid: u64 = row.judged.and_then(|each| Some(each.answers()?.votes().0 as u64));
+            votes_avoid: u64 = row.2.ok().and_then(|each| Some(each.answers()?.votes().0 as u64));
             /// published drivers who vote
-            votes: u64 = row.judged.and_then(|each| Some(each.answers()?.votes().1 as u64));
+            votes: u64 = row.2.ok().and_then(|each| Some(each.answers()?.votes().1 as u64));
             /// least time to collision
-            min_ttc_s: f64 ["s"] = row.judged.and_then(|each| each.found.near_miss.min_ttc);
+            min_ttc_s: f64 ["s"] = row.2.ok().and_then(|each| each.found.near_miss.min_ttc);
             /// post-encroachment time
-            pet_s: f64 ["s"] = row.judged.and_then(|each| each.found.near_miss.pet);
+            pet_s: f64 ["s"] = row.2.ok().and_then(|each| each.found.near_miss.pet);
             /// least distance
-            least_gap_m: f64 ["m"] = row.judged.map(|each| each.found.least_gap);
+            least_gap_m: f64 ["m"] = row.2.ok().map(|each| each.found.least_gap);
             /// why it is not judged
-            reason: String = row.reason.to_owned();
+            reason: String = row.2.err().unwrap_or_default().to_owned();
         });
-    let judged = all.encounters.iter().map(|each| Row {
-        car: &each.car,
-        pedestrian: &each.pedestrian,
-        judged: Some(each),
-        reason: "",
-    });
-    let unjudged = all.unjudged.iter().map(|pair| Row {
-        car: &pair.car,
-        pedestrian: &pair.pedestrian,
-        judged: None,
-        reason: &pair.reason,
-    });
+    let judged = all.encounters.iter().map(|each| (&*each.car, &*each.pedestrian, Ok(each)));
+    let unjudged = all.unjudged.iter().map(|pair| (&*pair.car, &*pair.pedestrian, Err(&*pair.reason)));
     table.frame(&judged.chain(unjudged).collect::<Vec<_>>())
-}
-
-/// A pair, for CSV.
-struct Row<'a> {
-    car: &'a str,
-    pedestrian: &'a str,
-    judged: Option<&'a JudgedMeeting>,
-    reason: &'a str,
 }
 
 /// What is counted of a recording.

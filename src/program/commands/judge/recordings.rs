@@ -36,7 +36,8 @@ impl Recordings {
         let ends = |end: &str| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(end));
         if !ends("mcap") && !ends("osi") {
             let text = base::files::text(file).map_err(|error| reason(&error))?;
-            let recording = Recording::from_csv(&text, units).map_err(|error| with_option(&error.to_string()))?;
+            let recording =
+                Recording::from_csv(&text, units).map_err(|error| with_option(&error.to_string(), &OPTIONS))?;
             let dt = recording.dt();
             let (car, pedestrian) = ("ego".to_owned(), "pedestrian".to_owned());
             let (sizes, obstacles) = (Sizes::default(), Obstacles::new(&[]).into());
@@ -73,7 +74,9 @@ impl Recordings {
                     let (answers, sensitivity, begins) = (found.answers(), found.sensitivity(), first as f64 * self.dt);
                     all.encounters.push(JudgedMeeting { car, pedestrian, begins, found, answers, sensitivity });
                 }
-                Err(error) => all.unjudged.push(Unjudged { car, pedestrian, reason: with_velocity(&error) }),
+                Err(error) => {
+                    all.unjudged.push(Unjudged { car, pedestrian, reason: with_option(&error.to_string(), &[]) })
+                }
             }
         }
         JudgedMeeting::sort(&mut all.encounters);
@@ -94,7 +97,7 @@ fn paper() -> Result<Scenario, crate::session::Error> {
     Ok(Scenario::clone(&checked.plan()?.campaigns[0].nth::<compile::Evaluation>(0).scenario))
 }
 
-/// The option that says what a recording looks like, for the reasons that name it.
+/// The options that say what a table looks like, for the reasons that name it. A trace has the units of its standard.
 const OPTIONS: [(&str, &str); 7] = [
     ("look like milliseconds", "--time-unit ms"),
     ("look like microseconds", "--time-unit us"),
@@ -105,22 +108,9 @@ const OPTIONS: [(&str, &str); 7] = [
     ("look like compass bearings", "--heading-unit compass"),
 ];
 
-/// A reason, with the option that helps.
-fn with_option(reason: &str) -> String {
-    let body = "leave out speed and heading";
-    let option = OPTIONS.iter().find(|(words, _)| reason.contains(words)).map(|(_, option)| *option);
-    match option.or(reason.contains(body).then_some("--no-velocity")) {
-        Some(option) => format!("{reason} (`{option}`)"),
-        None => reason.to_owned(),
-    }
-}
-
-/// The same of a pair in a trace, whose units are those of its standard.
-fn with_velocity(error: &RecordingError) -> String {
-    match error {
-        RecordingError::Units { who: "pedestrian", .. } | RecordingError::Heading { who: "pedestrian", .. } => {
-            format!("{error} (`--no-velocity` takes its velocity from its positions)")
-        }
-        _ => error.to_string(),
-    }
+/// A reason, with the one of these options that helps, or that which leaves the velocity of pedestrians out.
+fn with_option(reason: &str, options: &[(&str, &str)]) -> String {
+    let body = reason.contains("leave out speed and heading").then_some("--no-velocity");
+    let option = options.iter().find(|(words, _)| reason.contains(words)).map(|(_, option)| *option);
+    option.or(body).map_or_else(|| reason.to_owned(), |option| format!("{reason} (`{option}`)"))
 }
