@@ -99,7 +99,6 @@ def test_what_is_no_recording_is_told_in_a_sentence(tmp_path, capsys, name, chan
 
 
 def test_a_library_that_is_missing_is_named(tmp_path):
-    # `-S` leaves out what is installed; the package itself needs numpy only for its environments.
     code = "import sys; sys.modules['rosbags'] = None; from falsify_av.recordings.__main__ import main; sys.exit(main(sys.argv[1:]))"
     found = subprocess.run([sys.executable, "-c", code, "rosbag", str(tmp_path), str(tmp_path / "out.osi")], capture_output=True, text=True)
     assert found.returncode == 2 and found.stderr.count("\n") == 1 and "pip install rosbags" in found.stderr, found.stderr

@@ -563,22 +563,28 @@ fn a_damaged_container_is_an_error_within_bounded_memory() {
     let gigabytes: u64 = 3 << 30;
     let huge = |opcode: u8, length: u64| [&[opcode][..], &length.to_le_bytes()].concat();
     let bomb = |length: u64| zeros_after(&huge(0x80, length), 24 << 10);
-    let (osi, wanted) = ("drive.osi", "is cut");
+    let mut open = chunk("", 29, &record(0x80, &[0; 20]));
+    // The length of what it holds.
+    open[41] = 9;
+    let empty = [&(16_u32 << 20).to_le_bytes()[..], &[0x2a, 0].repeat(8 << 20)].concat();
     for (name, bytes, wanted) in [
         ("a record of gigabytes", chunk("zstd", gigabytes, &bomb(gigabytes - 9)), "exceeds limit"),
         ("a record of 2^60", chunk("zstd", 1 << 20, &bomb(1 << 60)), "exceeds limit"),
         ("a chunk of terabytes", chunk("zstd", 5 << 40, &bomb(9)), "cut the recording"),
         ("a chunk with a lying size", chunk("zstd", 4, &bomb(9)), "damaged MCAP"),
         ("an open chunk with a lying size", chunk("", 9, &huge(0x80, 1 << 40)), "damaged MCAP"),
+        ("an open chunk that ends within a record", open, "a chunk ends within a record"),
         ("a chunk that ends beyond the file", chunk("lz4", 9, &[4; 30])[..40].to_vec(), "damaged MCAP"),
         ("a file of 2^60", huge(6, 1 << 60), "damaged MCAP"),
         ("another compression", chunk("xz", 9, &[1; 9]), "xz"),
-        ("a message of gigabytes", Vec::new(), wanted),
+        ("osi: a message of gigabytes", vec![255, 255, 255, 127, 1], "is cut"),
+        ("osi: a message of empty objects", empty, "8388608 objects"),
     ] {
-        let path = folder.path().join(if bytes.is_empty() { osi } else { "drive.mcap" });
+        let is_osi = name.starts_with("osi");
+        let path = folder.path().join(if is_osi { "drive.osi" } else { "drive.mcap" });
         let whole =
             [&magic[..], &record(1, &[0; 8]), &bytes, &record(15, &[0; 4]), &record(2, &[0; 20]), magic].concat();
-        std::fs::write(&path, if bytes.is_empty() { vec![255, 255, 255, 127, 1] } else { whole }).unwrap();
+        std::fs::write(&path, if is_osi { bytes } else { whole }).unwrap();
         let command = format!("ulimit -v 1500000; exec '{}' judge '{}'", env!("CARGO_BIN_EXE_falsify"), path.display());
         let output = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();
         let said = error(&output);

@@ -15,6 +15,15 @@ messages! {
     SensorView {
         ground_truth: Option<GroundTruth> = 7 (message, optional),
     }
+    /// The objects of a `GroundTruth`, which are counted before memory is taken for them.
+    Counted {
+        standing: Vec<Unread> = 4 (message, repeated),
+        moving: Vec<Unread> = 5 (message, repeated),
+    }
+    CountedView {
+        ground_truth: Option<Counted> = 7 (message, optional),
+    }
+    Unread {}
 }
 
 /// A file that holds no trace of ground truth.
@@ -47,9 +56,10 @@ const NO_CARS: [i32; 4] = [11, 15, 17, 18];
 /// Objects that are lower do not hide a pedestrian (m).
 const LOW: f64 = 1.2;
 
-/// The most bytes of a message, and of all chunks before they were compressed; the most messages, and the most states of actors.
+/// The most bytes of a message, and of all chunks before they were compressed; the most objects of a message, messages, and states of actors.
 const MAX_MESSAGE: usize = 16 << 20;
 const MAX_CHUNKS: u64 = 4 << 30;
+const MAX_OBJECTS: usize = 100_000;
 const MAX_MESSAGES: usize = verdict::Recording::MAX_INSTANTS;
 const MAX_STATES: usize = 5_000_000;
 
@@ -65,6 +75,17 @@ pub fn read(bytes: &[u8]) -> Result<RecordedScene, TraceError> {
         reader.read_lengths(bytes)?;
     }
     reader.scene()
+}
+
+/// Whether the first `size` bytes of a chunk are whole records, each a byte and its length before it.
+fn is_whole(data: &[u8], size: usize) -> bool {
+    let Some(mut rest) = data.get(..size) else { return false };
+    while let Some((head, after)) = rest.split_first_chunk::<9>() {
+        let length = u64::from_le_bytes(*head.last_chunk().unwrap_or(&[0; 8]));
+        let Some(next) = usize::try_from(length).ok().and_then(|length| after.get(length..)) else { return false };
+        rest = next;
+    }
+    rest.is_empty()
 }
 
 /// What was read up to now.
@@ -85,8 +106,12 @@ impl Reader {
         let failed = |error: mcap::McapError| TraceError::Mcap(error.to_string());
         let mut chunks = 0_u64;
         for record in mcap::read::LinearReader::new(bytes).map_err(failed)? {
-            if let mcap::records::Record::Chunk { header, .. } = record.map_err(failed)? {
+            if let mcap::records::Record::Chunk { header, data } = record.map_err(failed)? {
                 chunks = chunks.saturating_add(header.uncompressed_size);
+                let is_open = header.compression.is_empty();
+                if is_open && !usize::try_from(header.compressed_size).is_ok_and(|size| is_whole(&data, size)) {
+                    return Err(TraceError::Mcap("a chunk ends within a record".to_owned()));
+                }
             }
         }
         if chunks > MAX_CHUNKS {
@@ -96,6 +121,7 @@ impl Reader {
         let options = LinearReaderOptions::default().with_record_length_limit(MAX_MESSAGE);
         for message in mcap::io::MessageReader::new_with_options(bytes, options) {
             let message = message.map_err(failed)?;
+            Self::check_objects(&message.data, self.times.len() + 1)?;
             let schema = message.channel.schema.as_ref().map_or("", |schema| &schema.name);
             let read = match schema {
                 "osi3.GroundTruth" => GroundTruth::decode(&*message.data).map(Some),
@@ -116,6 +142,20 @@ impl Reader {
         Ok(())
     }
 
+    /// # Errors
+    /// The message has too many objects, as a ground truth or as a view.
+    fn check_objects(data: &[u8], number: usize) -> Result<(), TraceError> {
+        let view = CountedView::decode(data).ok().and_then(|view| view.ground_truth);
+        let counted = [Counted::decode(data).ok(), view].into_iter().flatten();
+        let most = counted.map(|truth| truth.standing.len() + truth.moving.len()).max().unwrap_or(0);
+        match most > MAX_OBJECTS {
+            true => {
+                Err(TraceError::Large(format!("message {number} has {most} objects; at most {MAX_OBJECTS} are read")))
+            }
+            false => Ok(()),
+        }
+    }
+
     /// Reads messages with their lengths before them, as four bytes, the lowest first.
     fn read_lengths(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
         let mut rest = bytes;
@@ -128,6 +168,7 @@ impl Reader {
                 let most = format!("message {number} has {wanted} bytes; at most {MAX_MESSAGE} are read");
                 return Err(TraceError::Large(most));
             }
+            Self::check_objects(data, number)?;
             let refused = |error: prost::DecodeError| TraceError::Message { number, reason: error.to_string() };
             let is_truth = |truth: &GroundTruth| truth.timestamp.is_some() && !truth.moving_objects.is_empty();
             let truth = match GroundTruth::decode(data) {

@@ -75,7 +75,7 @@ impl Recordings {
                     all.encounters.push(JudgedMeeting { car, pedestrian, begins, found, answers, sensitivity });
                 }
                 Err(error) => {
-                    all.unjudged.push(Unjudged { car, pedestrian, reason: with_option(&error.to_string(), &[]) })
+                    all.unjudged.push(Unjudged { car, pedestrian, reason: with_option(&error.to_string(), &[]) });
                 }
             }
         }
