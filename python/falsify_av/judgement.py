@@ -60,7 +60,7 @@ def judge(
 
     Returns:
         ``verdict`` (empty without a touch; ``cannot_tell`` if the recording begins too late, by ``begins_late_s``), ``counts_as``, ``foreseeable``, ``fault``, ``warning_s`` and ``impact_speed_mps`` as the columns of the
-        table of episodes; ``side``, the part of the car that was touched; ``findings``, what is damaged in the recording and where (an answer that rests on it is ``cannot_tell``); ``avoided_by``, which reference drivers avoid it; ``touch_s``, the time of the touch from the first instant;
+        table of episodes; ``side``, the part of the car that was touched; ``findings``, what is damaged in the recording and where (an answer that rests on it is ``cannot_tell``); ``avoided_by``, which reference drivers avoid it; ``drivers``, the published drivers and ours, each with its ``source``, whether it ``votes``, its ``trigger`` and times, and how it ends; ``variations`` and ``avoided_in``, in how many of a thousand variations a careful human avoids it; ``touch_s``, the time of the touch from the first instant;
         ``least_gap_m``, ``min_ttc_s`` and ``pet_s``; ``requirements``, each by its name as in the info of an episode: ``violated``,
         ``robustness``, ``sample``, ``part``, ``preventable`` and ``fault``, or ``None`` for one about the lane, the lights or crosswalks, since a
         recording has no map. A number that does not apply is not a number.

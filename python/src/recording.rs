@@ -79,6 +79,13 @@ fn dictionary<'py>(py: Python<'py>, found: &Encountered, is_ours: bool) -> PyRes
         }
     }
     dict.set_item("avoided_by", avoided)?;
+    let (answers, touch) = (found.answers(), found.touch.unwrap_or(f64::NAN));
+    let drivers: Vec<_> = answers.iter().filter(|_| is_told).map(|answer| answer.to_json(touch)).collect();
+    let json = py.import("json")?;
+    dict.set_item("drivers", json.call_method1("loads", (serde_json::Value::from(drivers).to_string(),))?)?;
+    let sensitivity = found.sensitivity();
+    dict.set_item("variations", sensitivity.map(|sensitivity| sensitivity.variations))?;
+    dict.set_item("avoided_in", sensitivity.map(|sensitivity| sensitivity.avoided))?;
     dict.set_item("least_gap_m", found.least_gap)?;
     dict.set_item("min_ttc_s", found.near_miss.min_ttc.unwrap_or(f64::NAN))?;
     dict.set_item("pet_s", found.near_miss.pet.unwrap_or(f64::NAN))?;

@@ -176,6 +176,11 @@ impl<'a> Inquiry<'a> {
         })
     }
 
+    /// Whether the touch is preventable, and whether it is a fault.
+    pub(super) fn blame(&mut self) -> (bool, bool) {
+        (self.is_preventable(), self.class().is_fault())
+    }
+
     /// What the touch counts as.
     pub fn class(&mut self) -> Class {
         let motion = PedestrianMotion::new(&self.pair);
@@ -240,7 +245,7 @@ impl<'a> Inquiry<'a> {
     pub fn answers(&mut self) -> Vec<Answer> {
         let Some(mut earlier) = Encounter::in_sight(&self.pair) else { return Vec::new() };
         let mut answer = |driver: &'static Published| {
-            driver.answer(if driver.is_published { &mut earlier } else { &mut self.encounter })
+            driver.answer(if driver.is_published() { &mut earlier } else { &mut self.encounter })
         };
         Published::ALL.iter().map(&mut answer).collect()
     }

@@ -12,15 +12,18 @@ use world::av::reference_drivers::{
 #[derive(Debug, Clone, Copy)]
 pub struct Published {
     pub name: &'static str,
-    /// Who wrote it down.
+    /// Who wrote it down, or `ours`.
     pub source: &'static str,
     /// What it takes for a danger.
     pub trigger: &'static str,
-    /// Whether others published it; ours are not counted among those.
-    pub is_published: bool,
+    /// Whether it counts among those who avoid a touch: not ours, not JRC's human, which fails its regulation's clause on pedestrians, and not esmini's, which
+    /// ignores who stands.
+    pub votes: bool,
     driver: fn() -> Box<dyn ReferenceDriver>,
 }
 
+/// The source of those that nobody else published.
+const OURS: &str = "ours";
 /// A deceleration above this (m/s²) is braking.
 const BRAKING: f64 = 0.5;
 
@@ -40,37 +43,39 @@ fn reacting(reaction: f64) -> Box<dyn ReferenceDriver> {
 impl Published {
     /// All of them: those of others first.
     pub const ALL: [Self; 15] = [
-        Self::of("r157_cc", "JRC-FSM", "overlap, TTC 2 s", || Box::new(CutInBrake::human(0.0))),
-        Self::of("r157_cc_lane", "JRC-FSM", "1.135 m, TTC 2 s", || Box::new(CutInBrake::human(1.135))),
-        Self::of("esmini", "esmini, read", "towards the path", || Box::<AlksHuman>::default()),
-        Self::of("fsm", "JRC-FSM", "unsafe, on course", || Reference::FuzzySafety.driver()),
-        Self::of("r157_system", "JRC-FSM", "0.5 m, TTC by speed", || Box::new(CutInBrake::regulation())),
-        Self::of("rss_lanes", "JRC-FSM", "unsafe distances", || Box::new(CutInBrake::lanes())),
-        Self::of("rss_free", "ad-rss, CARLA", "no stop apart", || Box::new(Rss::free())),
-        Self::of("surprised", "Green 2000", "in the path", || reacting(SURPRISED)),
-        Self::of("unalerted", "Taoka 1989", "in the path", || reacting(UNALERTED)),
-        Self::of("r152_aeb", "UN R152", "on course, 1.17 s", || {
+        Self::new("r157_cc", "JRC-FSM", "overlap, TTC 2 s", false, || Box::new(CutInBrake::human(0.0))),
+        Self::new("r157_cc_lane", "JRC-FSM", "1.135 m, TTC 2 s", false, || Box::new(CutInBrake::human(1.135))),
+        Self::new("esmini", "esmini, read", "towards the path", false, || Box::<AlksHuman>::default()),
+        Self::new("fsm", "JRC-FSM", "unsafe, on course", true, || Reference::FuzzySafety.driver()),
+        Self::new("r157_system", "JRC-FSM", "0.5 m, TTC by speed", true, || Box::new(CutInBrake::regulation())),
+        Self::new("rss_lanes", "JRC-FSM", "unsafe distances", true, || Box::new(CutInBrake::lanes())),
+        Self::new("rss_free", "ad-rss, CARLA", "no stop apart", true, || Box::new(Rss::free())),
+        Self::new("surprised", "Green 2000", "in the path", true, || reacting(SURPRISED)),
+        Self::new("unalerted", "Taoka 1989", "in the path", true, || reacting(UNALERTED)),
+        Self::new("r152_aeb", "UN R152", "on course, 1.17 s", true, || {
             let gate = Gate { least: R152.1, in_time: false, ..Gate::CAREFUL };
             Box::new(DelayedBrake::new(Some(gate), BrakeProfile { wait: 0.0, ramp: 0.0, full: R152.0 }))
         }),
-        Self::ours("cc", "on course, in time", || Reference::CarefulHuman.driver()),
-        Self::ours("cc_attentive", "on course, in time", || Reference::AttentiveHuman.driver()),
-        Self::ours("rss_straight", "no stop apart", || Reference::Rss.driver()),
-        Self::ours("ideal", "on course, in time", || Reference::IdealBrake.driver()),
-        Self::ours("bound", "towards the path", || Reference::Bound.driver()),
+        Self::new("cc", OURS, "on course, in time", false, || Reference::CarefulHuman.driver()),
+        Self::new("cc_attentive", OURS, "on course, in time", false, || Reference::AttentiveHuman.driver()),
+        Self::new("rss_straight", OURS, "no stop apart", false, || Reference::Rss.driver()),
+        Self::new("ideal", OURS, "on course, in time", false, || Reference::IdealBrake.driver()),
+        Self::new("bound", OURS, "towards the path", false, || Reference::Bound.driver()),
     ];
 
-    const fn of(
+    const fn new(
         name: &'static str,
         source: &'static str,
         trigger: &'static str,
+        votes: bool,
         driver: fn() -> Box<dyn ReferenceDriver>,
     ) -> Self {
-        Self { name, source, trigger, is_published: true, driver }
+        Self { name, source, trigger, votes, driver }
     }
 
-    const fn ours(name: &'static str, trigger: &'static str, driver: fn() -> Box<dyn ReferenceDriver>) -> Self {
-        Self { is_published: false, ..Self::of(name, "ours", trigger, driver) }
+    /// Whether others published it.
+    pub fn is_published(&self) -> bool {
+        self.source != OURS
     }
 
     /// Drives an encounter with it.
@@ -100,6 +105,30 @@ pub struct Answer {
     pub trial: Trial,
     /// The car from then on, tick by tick, and its speed (m/s).
     pub poses: Vec<(Pose, f64)>,
+}
+
+impl Answer {
+    /// The time of what comes `before` a touch at this time (s); 0 if it comes before the recording.
+    pub fn time(before: Option<f64>, touch: f64) -> Option<f64> {
+        before.map(|before| (touch - before).max(0.0))
+    }
+
+    /// An object, with times of a recording whose touch is at this one (s); what does not apply is null.
+    pub fn to_json(&self, touch: f64) -> serde_json::Value {
+        serde_json::json!({
+            "driver": self.driver.name,
+            "source": self.driver.source,
+            "published": self.driver.is_published(),
+            "votes": self.driver.votes,
+            "trigger": self.driver.trigger,
+            "trigger_s": Self::time(self.trigger, touch),
+            "ttc_at_trigger_s": self.ttc.filter(|ttc| ttc.is_finite()),
+            "brake_s": Self::time(self.brake, touch),
+            "avoids": self.trial.is_avoided(),
+            "impact_mps": self.trial.impact_speed,
+            "spare_m": self.trial.is_avoided().then_some(self.trial.least_gap),
+        })
+    }
 }
 
 /// A driver with a clock.

@@ -32,14 +32,15 @@ pub struct RecordedScene {
 /// A car and a pedestrian that come near each other.
 #[derive(Debug, Clone)]
 pub struct Meeting {
-    pub car: String,
-    pub pedestrian: String,
     /// The instant of the recording at which that of the two begins.
     pub first: usize,
     pub recording: Recording,
     pub sizes: Sizes,
     pub obstacles: Arc<Obstacles>,
 }
+
+/// The names of a car and of a pedestrian, and how they meet.
+pub type NamedMeeting = (String, String, Result<Meeting, RecordingError>);
 
 /// Time before and after the least distance of two that is judged (s).
 const AROUND: (f64, f64) = (20.0, 5.0);
@@ -92,8 +93,8 @@ impl RecordedScene {
     /// The pairs of a car and a pedestrian that come nearer than `near` (m), each around its first touch or its least distance.
     ///
     /// # Errors
-    /// The names of both, and why their recording cannot be judged.
-    pub fn meetings(&self, near: f64, car: Option<&str>) -> Vec<(String, String, Result<Meeting, RecordingError>)> {
+    /// The names of both, and why their recording cannot be judged. Without velocities of pedestrians, these come from the positions.
+    pub fn meetings(&self, near: f64, car: Option<&str>, without_velocity: bool) -> Vec<NamedMeeting> {
         let mut found = Vec::new();
         for car in self.cars(car) {
             let is_parked = |actor: &&RecordedActor| actor.is_parked() && actor.name != car.name;
@@ -102,10 +103,8 @@ impl RecordedScene {
             let obstacles = Arc::new(Obstacles::new(&obstacles));
             for pedestrian in self.actors.iter().filter(|actor| actor.is_pedestrian) {
                 let Some(instants) = self.nearest(car, pedestrian, near) else { continue };
-                let recording = self.recording(car, pedestrian, instants.clone());
+                let recording = self.recording(car, pedestrian, instants.clone(), without_velocity);
                 let meeting = recording.map(|recording| Meeting {
-                    car: car.name.clone(),
-                    pedestrian: pedestrian.name.clone(),
                     first: instants.start,
                     recording,
                     sizes: Sizes {
@@ -152,6 +151,7 @@ impl RecordedScene {
         car: &RecordedActor,
         pedestrian: &RecordedActor,
         instants: Range<usize>,
+        without_velocity: bool,
     ) -> Result<Recording, RecordingError> {
         let cars = instants.clone().map(|instant| {
             let pose = car.pose(instant);
@@ -159,8 +159,8 @@ impl RecordedScene {
             VehicleState { pose, speed, ..VehicleState::default() }
         });
         let cars = cars.collect();
-        let is_told = instants.clone().all(|instant| pedestrian.states[instant - pedestrian.first].1.is_some());
-        if !is_told {
+        let is_told = |instant: usize| pedestrian.states[instant - pedestrian.first].1.is_some();
+        if without_velocity || !instants.clone().all(is_told) {
             let places: Vec<Point> = instants.map(|instant| pedestrian.pose(instant).position()).collect();
             return Recording::of_positions(self.dt, cars, &places);
         }

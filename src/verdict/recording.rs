@@ -1,13 +1,13 @@
 use std::sync::Arc;
 
+use super::recording_error::{InstantFault, MAX_INSTANTS, RecordingError};
 use super::recording_findings::{
     Damage, Finding, contradiction, held, spikes_of_car, spikes_of_pedestrian, spikes_of_positions,
 };
-use super::recording_noise::{
-    HALF_SECOND, OF_PAIR, clean_car, clean_pedestrian, median_noise, noise, usual_speeds, walked,
-};
-use super::recording_units::{Misfit, TrackOf, fits, misfit};
+use super::recording_noise::{HALF_SECOND, Noise, OF_PAIR, median_noise, noise, usual_speeds, walked};
+use super::recording_units::{TrackOf, fits, misfit};
 use super::{Answer, Inquiry, NearMiss, Sensitivity, Verdict, ViolationVerdict};
+use base::seed::Seed;
 use episode::requirement::{Degree, NamedRequirement};
 use episode::{Driven, OtherDrive, Pair, Scenario, Trace, VehicleFrame, is_about_map};
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
@@ -95,48 +95,6 @@ impl Sizes {
     }
 }
 
-/// A recording that cannot be judged.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RecordingError {
-    #[error("there are {ego} instants of the car and {pedestrian} of the pedestrian; give the same number of both, 2 to {most}", most = Recording::MAX_INSTANTS)]
-    Instants { ego: usize, pedestrian: usize },
-    #[error("the time between two instants is {step} s; {}give 0.001 s to 0.5 s", unit_of_time(*.step))]
-    Step { step: f64 },
-    #[error("`{quantity}` is {size}; give {low} to {high} {unit}")]
-    Size { quantity: &'static str, size: f64, low: f64, high: f64, unit: &'static str },
-    #[error("instant {instant}: {fault}")]
-    Instant { instant: usize, fault: InstantFault },
-    #[error("the {who} moves {} its speed and the step of {dt} s explain: {likely}", times(*ratio))]
-    Units { who: &'static str, ratio: f64, dt: f64, likely: String },
-    #[error(
-        "the {who} moves at {degrees:.0} deg from its heading: {likely}{}",
-        if *.who == "car" { "" } else { ". Where it is that of the body, as in boxes of data sets, leave out speed and heading: they then come from the positions" }
-    )]
-    Heading { who: &'static str, degrees: f64, likely: &'static str },
-}
-
-/// What is wrong at an instant of a recording, or from it on.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum InstantFault {
-    #[error("the {quantity} is {number}; give {low} to {high}")]
-    Number { quantity: &'static str, number: f64, low: f64, high: f64 },
-}
-
-/// What a time between two instants (s) that is too long looks like.
-fn unit_of_time(step: f64) -> &'static str {
-    match step {
-        5.0..=500.0 => "the times look like milliseconds; ",
-        5e3..=5e5 => "the times look like microseconds; ",
-        5e6..=5e8 => "the times look like nanoseconds; ",
-        _ => "",
-    }
-}
-
-/// How much farther something moves than is explained.
-fn times(ratio: f64) -> String {
-    if ratio.is_finite() { format!("{ratio:.2} times as far as") } else { "farther than".into() }
-}
-
 /// What a recording shows.
 #[derive(Debug, Clone)]
 pub struct Encountered {
@@ -170,14 +128,7 @@ impl Encountered {
     /// How much the verdict rests on what nobody knows exactly; `None` without a touch.
     pub fn sensitivity(&self) -> Option<Sensitivity> {
         let pair = self.trace.pair(&self.scenario, 0, 0);
-        let noises = self.findings.iter().filter_map(|finding| match finding.what {
-            Damage::Noise(noise) => Some(noise),
-            _ => None,
-        });
-        // A mean over half a second.
-        let noise = noises.fold(0.0, f64::max) * (self.step / HALF_SECOND).min(1.0).sqrt();
-        let is_preventable = self.verdict.as_ref()?.is_preventable();
-        Inquiry::new(&pair).map(|inquiry| Sensitivity::new(inquiry.encounter(), noise, is_preventable))
+        Inquiry::new(&pair).map(|inquiry| Sensitivity::new(inquiry.encounter()))
     }
 
     /// What each published driver does, and each of ours; empty without a touch.
@@ -204,7 +155,7 @@ pub struct RecordedRequirement {
 
 impl Recording {
     /// The most instants: 80 minutes at 20 Hz.
-    pub const MAX_INSTANTS: usize = 100_000;
+    pub const MAX_INSTANTS: usize = MAX_INSTANTS;
     /// The greatest coordinate (m): ten earths.
     const MAX_COORDINATE: f64 = 1e8;
     /// The greatest heading (rad).
@@ -216,8 +167,10 @@ impl Recording {
     const OF_WAY: (f64, f64) = (1.5, 0.3);
     const BESIDES: f64 = 0.5;
     const OF_NOISE: f64 = 6.0;
-    /// A noise of positions above this is told (m), and what happens at most this long before the danger decides the verdict (s).
-    const TOLD_NOISE: f64 = 0.005;
+    /// How often as much noise is added again to see whether it decides the verdict, and in how many of these the verdict may be another.
+    const NOISE_ADDED: u32 = 20;
+    const MAX_DIFFERENT: usize = 1;
+    /// What happens at most this long before the danger decides the verdict (s).
     const BEFORE_DANGER: f64 = 1.5;
     /// The same length of a pedestrian in a short step: a length (m), and what a speed (m/s) explains.
     const BESIDES_OF_PEDESTRIAN: (f64, f64) = (0.1, 4.0);
@@ -239,10 +192,7 @@ impl Recording {
     /// Those of [`Recording::new`].
     pub fn of_positions(dt: f64, ego: Vec<VehicleState>, positions: &[Point]) -> Result<Self, RecordingError> {
         let coordinates: Vec<Vector> = positions.iter().map(|position| position.coords).collect();
-        let mut pedestrian = walked(&coordinates, dt);
-        for (state, place) in pedestrian.iter_mut().zip(coordinates) {
-            (state.pose.x, state.pose.y) = (place.x, place.y);
-        }
+        let pedestrian = walked(&coordinates, dt);
         Self::checked(Self { dt, ego, pedestrian, is_walked: true, findings: Vec::new() })
     }
 
@@ -314,34 +264,25 @@ impl Recording {
         let is_whole = |place: usize| jumps[place].is_empty() || jumps[place].len() * 2 > self.ego.len();
         for (_, (who, track, track_of)) in told.iter().enumerate().filter(|(place, _)| !fits_before && is_whole(*place))
         {
-            match misfit(track, dt, *track_of) {
-                None => {}
-                Some(Misfit::Speed { ratio, likely }) => {
-                    return Err(RecordingError::Units { who, ratio, dt: (dt * 1e6).round() / 1e6, likely });
-                }
-                Some(Misfit::Heading { degrees, likely }) => {
-                    return Err(RecordingError::Heading { who, degrees, likely });
-                }
-            }
+            misfit(who, track, dt, *track_of)?;
         }
         let mut found: Vec<Finding> = first.into_iter().map(|(part, ..)| part).collect();
         found.extend(spikes_of_car(&self.ego, dt));
         if !self.is_walked {
             found.extend(spikes_of_pedestrian(&self.pedestrian, dt));
         }
-        let driven: Vec<Vector> = self.ego.iter().map(|state| state.pose.forward() * state.speed).collect();
-        let walking: Vec<Vector> = self.pedestrian.iter().map(|state| state.velocity).collect();
-        let known = [Some(&driven[..]), (!self.is_walked).then_some(&walking[..])];
-        for ((who, track, _), known) in tracks.iter().zip(known) {
+        for (who, track, _) in &tracks {
             let places: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
-            found.extend(spikes_of_positions(who, &places, known, dt));
+            found.extend(spikes_of_positions(who, &places, dt));
             found.extend(held(who, &places, dt));
-            let noise = noise(&places);
-            if noise > Self::TOLD_NOISE {
-                found.push(Finding::new(who, (0, track.len() - 1), Damage::Noise(noise)));
-            }
         }
         found.extend(jumps.into_iter().flatten());
+        let Noise { car, pedestrian } = self.noise();
+        let noisy = ["positions", "speeds", "headings"].into_iter().zip(car).map(|noise| ("car", noise));
+        let walking = ["positions", "velocities"].into_iter().zip(pedestrian).map(|noise| ("pedestrian", noise));
+        for (who, (quantity, noise)) in noisy.chain(walking).filter(|(_, (_, noise))| *noise > 0.0) {
+            found.push(Finding::new(who, (0, self.ego.len() - 1), Damage::Noise(quantity, noise)));
+        }
         found.sort_by_key(|finding| finding.first);
         Ok(found)
     }
@@ -352,6 +293,24 @@ impl Recording {
         let first = ((touch - warning - Self::BEFORE_DANGER) / self.dt).floor();
         let lies_there = |finding: &&Finding| finding.first as f64 <= last && finding.last as f64 >= first;
         self.findings.iter().filter(|finding| finding.decides()).find(lies_there).cloned()
+    }
+
+    fn noise(&self) -> Noise {
+        Noise::of(&self.ego, &self.pedestrian, self.is_walked, self.dt)
+    }
+
+    /// The first finding about noise, if the verdict is another with as much noise again.
+    fn decided_by_noise(&self, scenario: &Scenario, verdict: (bool, bool)) -> Option<Finding> {
+        let finding = self.findings.iter().find(|finding| matches!(finding.what, Damage::Noise(..)))?;
+        let (noise, mut stream) = (self.noise(), Seed::root(0).child("judge").child("noise").stream());
+        let differs = |_: &u32| {
+            let mut again = self.clone();
+            noise.add(&mut again.ego, &mut again.pedestrian, &mut stream);
+            let (trace, ..) = again.trace(scenario);
+            let pair = trace.pair(scenario, 0, 0);
+            Inquiry::new(&pair).map(|mut inquiry| inquiry.blame()) != Some(verdict)
+        };
+        ((0..Self::NOISE_ADDED).filter(differs).count() > Self::MAX_DIFFERENT).then(|| finding.clone())
     }
 
     /// The steps whose length, or to a side, is more than a share of what the speed explains, a length (m) and the noise.
@@ -413,7 +372,10 @@ impl Recording {
         let requirements = requirements.collect();
         let mut inquiry = Inquiry::new(&pair);
         let begins_late = inquiry.as_mut().and_then(Inquiry::begins_late);
-        let undecided = inquiry.as_ref().and_then(|inquiry| self.undecided(touch?, inquiry.encounter().warning));
+        let undecided = inquiry.as_mut().and_then(|inquiry| {
+            let damaged = self.undecided(touch?, inquiry.encounter().warning);
+            damaged.or_else(|| self.decided_by_noise(&scenario, inquiry.blame()))
+        });
         Encountered {
             touch,
             least_gap,
@@ -436,17 +398,13 @@ impl Recording {
     /// How near two came who did not touch, and their least distance (m): between two instants they move on a line.
     fn nearest(pair: &Pair<'_>) -> (NearMiss, f64) {
         let parts = (pair.dt() / RESOLUTION).ceil().min((MAX_PLACES / pair.len()) as f64).max(1.0) as usize;
-        let (mut driving, mut walking) = (Vec::new(), Vec::new());
-        for (from, to) in pair.frames().zip(pair.frames().skip(1).chain(pair.last())) {
-            for share in (0..parts).map(|part| part as f64 / parts as f64) {
-                driving.push(VehicleFrame { state: from.ego.between(&to.ego, share), driven: Driven::default() });
-                walking.push(from.pedestrian.between(&to.pedestrian, share));
-            }
-        }
+        let cars: Vec<VehicleState> = pair.frames().map(|frame| frame.ego).collect();
+        let walking = refined(pair.walking, parts);
+        let driving = refined(&cars, parts).into_iter().map(|state| VehicleFrame { state, driven: Driven::default() });
         let mut scenario = pair.scenario.clone();
         scenario.episode.tick = pair.dt() / parts as f64;
         let decisions = vec![WalkCommand::default(); walking.len() - 1];
-        let trace = Trace::recorded(driving, walking, decisions, None, 0.0);
+        let trace = Trace::recorded(driving.collect(), walking, decisions, None, 0.0);
         let fine = trace.pair(&scenario, 0, 0);
         (NearMiss::new(&fine), fine.frames().map(|frame| fine.gap(&frame)).fold(f64::INFINITY, f64::min))
     }
@@ -467,7 +425,7 @@ impl Recording {
         moved < -explained / 2.0 && explained > 0.0
     }
 
-    /// The tracks up to the first touch, without noise, whether the car reversed and is turned round, and the tick (s). The touch moves the pedestrian, so what
+    /// The tracks up to the first touch, whether the car reversed and is turned round, and the tick (s). The touch moves the pedestrian, so what
     /// follows says nothing of the motion before it.
     fn trace(&self, scenario: &Scenario) -> (Trace, bool, f64) {
         let (blueprint, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
@@ -496,24 +454,17 @@ impl Recording {
             }
         }
         let mut touch = first.and_then(|_| touched(&ego, &walking));
-        clean_car(&mut ego, self.dt);
         let velocity_noise = if self.is_walked {
             let positions: Vec<Vector> = walking.iter().map(|state| state.pose.position().coords).collect();
             walking = walked(&positions, self.dt);
             noise(&positions) / HALF_SECOND
         } else {
-            let velocities: Vec<Vector> = walking.iter().map(|state| state.velocity).collect();
-            clean_pedestrian(&mut walking, self.dt);
-            median_noise(&velocities, OF_PAIR)
+            median_noise(&walking.iter().map(|state| state.velocity).collect::<Vec<_>>(), OF_PAIR)
         };
-        // Without noise they may touch a moment earlier, or later than the recording tells.
-        if let Some((step, contact)) = first.and_then(|_| touched(&ego, &walking)) {
-            (instants, touch) = (step + 2, Some((step, contact)));
-        }
         let parts = touch.map_or(1, |_| self.parts());
         if parts > 1 {
             (ego, walking) = (refined(&ego[..instants], parts), refined(&walking[..instants], parts));
-            // That of the noisy tracks, if these miss each other.
+            // That of the whole step, if its parts miss each other.
             touch = touched(&ego, &walking).or(touch.map(|(step, contact)| {
                 let place = contact.fraction * parts as f64;
                 let part = place.floor().min(parts as f64 - 1.0);

@@ -102,15 +102,7 @@ impl Recording {
     ///
     /// # Errors
     /// A column is absent, a field is not a number, times have no constant step, or what [`Recording::new`] refuses.
-    pub fn from_csv(text: &str) -> Result<Self, RecordingFileError> {
-        Self::from_csv_in(text, &Units::default())
-    }
-
-    /// The same of a file with other units.
-    ///
-    /// # Errors
-    /// Those of [`Recording::from_csv`].
-    pub fn from_csv_in(text: &str, units: &Units) -> Result<Self, RecordingFileError> {
+    pub fn from_csv(text: &str, units: &Units) -> Result<Self, RecordingFileError> {
         let mut lines =
             text.trim_start_matches('\u{feff}').lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
         let header: Vec<&str> =

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::recording_noise::{OF_PAIR, VELOCITY_NOISE, median_noise, noise, step_noise, ways};
+use super::recording_noise::{OF_PAIR, VELOCITY_NOISE, median_noise, noise, ways};
 use super::recording_units::{MAX_UNSIGNED_REVERSING, MOVING, TrackOf};
 use road::geometry::{Pose, Vector};
 use world::sim::{PedestrianState, VehicleState};
@@ -31,8 +31,8 @@ pub enum Damage {
     Contradiction { lasts: f64, moved: Vector, told: Vector },
     /// Positions that are repeated for as long (s).
     Held(f64),
-    /// Noise of positions: its standard deviation (m).
-    Noise(f64),
+    /// Noise of positions (m), speeds or velocities (m/s), or headings (rad): its standard deviation.
+    Noise(&'static str, f64),
 }
 
 impl Finding {
@@ -42,7 +42,7 @@ impl Finding {
 
     /// Whether an answer that rests on these instants is none.
     pub fn decides(&self) -> bool {
-        !matches!(self.what, Damage::Noise(_))
+        !matches!(self.what, Damage::Noise(..))
     }
 }
 
@@ -80,9 +80,13 @@ impl fmt::Display for Finding {
                 f,
                 "{place}: positions of the {who} are repeated for {time:.2} s; give only rows with a new position, at their own step"
             ),
-            Damage::Noise(noise) => {
-                write!(f, "positions of the {who} have a noise of {noise:.3} m: they are smoothed over at most 0.5 s")
+            Damage::Noise(quantity @ "positions", noise) => {
+                write!(f, "{quantity} of the {who} have a noise of {noise:.3} m")
             }
+            Damage::Noise(quantity @ "headings", noise) => {
+                write!(f, "{quantity} of the {who} have a noise of {:.1} deg", noise.to_degrees())
+            }
+            Damage::Noise(quantity, noise) => write!(f, "{quantity} of the {who} have a noise of {noise:.2} m/s"),
         }
     }
 }
@@ -163,31 +167,24 @@ const OF_NOISE: f64 = 4.0;
 const AROUND: f64 = 0.25;
 const DEVIATION: (f64, f64) = (0.3, 0.1);
 
-/// Positions that leave a steady way for an instant or a few, and come back to it with a step that nobody makes. Velocities, if they are known, say which way is steady.
-pub(super) fn spikes_of_positions(
-    who: &'static str,
-    positions: &[Vector],
-    known: Option<&[Vector]>,
-    dt: f64,
-) -> Vec<Finding> {
-    let explained =
-        known.map_or_else(|| vec![Vector::zeros(); positions.len()], |known| ways(known.iter().copied(), dt));
-    let rest: Vec<Vector> = positions.iter().zip(&explained).map(|(position, way)| position - way).collect();
-    let noise = median_noise(&rest, OF_PAIR).max(step_noise(positions));
+/// Positions that leave a steady way for an instant or a few, and come back to it with a step that nobody makes.
+pub(super) fn spikes_of_positions(who: &'static str, positions: &[Vector], dt: f64) -> Vec<Finding> {
+    let noise = noise(positions);
     let around = ((AROUND / dt).round() as usize).max(2);
-    let last = rest.len() - 1;
+    let last = positions.len() - 1;
     let mut found: Vec<Finding> = Vec::new();
     for end in 3..last {
         let off = |place: usize| {
             let (before, steps) = (place - 1, (end + 1 - place) as f64);
-            let slope = (rest[end] - rest[before]) / steps;
+            let slope = (positions[end] - positions[before]) / steps;
             let far = ASIDE + ACCELERATION * (steps * dt).powi(2) / 8.0 + OF_NOISE * noise;
             let (first, beyond) = (before.saturating_sub(around), (end + around).min(last));
-            let earlier = (rest[before] - rest[first]) / (before - first) as f64 - slope;
-            let later = (rest[beyond] - rest[end]) / (beyond - end) as f64 - slope;
+            let earlier = (positions[before] - positions[first]) / (before - first) as f64 - slope;
+            let later = (positions[beyond] - positions[end]) / (beyond - end) as f64 - slope;
             let near =
                 DEVIATION.0 * dt + DEVIATION.1 * slope.norm() + 2.0 * noise * (1.0 / steps + 1.0 / around as f64);
-            let is_spike = (rest[end] - rest[end - 1] - slope).norm() > far && earlier.norm().max(later.norm()) <= near;
+            let is_spike =
+                (positions[end] - positions[end - 1] - slope).norm() > far && earlier.norm().max(later.norm()) <= near;
             is_spike.then(|| (earlier.norm() + later.norm() + VELOCITY_NOISE * dt * steps, place))
         };
         let begins = found.last().map_or(2, |spike| spike.last + 1).max(end.saturating_sub(most(dt)).max(2));

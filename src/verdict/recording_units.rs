@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use super::recording_noise::{SIGNIFICANT, noise, ways};
+use super::recording_error::RecordingError;
+use super::recording_noise::{SIGNIFICANT, median, noise, ways};
 use road::geometry::{Pose, Vector, wrap_angle};
 
 /// Length of a stretch of a car and of a pedestrian (m), longer than the noise of positions, and the least mean speed on it (m/s).
@@ -50,15 +51,6 @@ const MISREAD: f64 = 0.02;
 /// The likely cause of headings that are far beyond a whole turn, or fit as degrees.
 const DEGREES: &str = "the numbers look like degrees where radians are needed";
 
-/// Units that do not fit each other, as parts of a sentence.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Misfit {
-    /// How far it moves, as a multiple of what its speed explains, and the likely cause.
-    Speed { ratio: f64, likely: String },
-    /// The angle between the line of its heading and its motion (deg), and the likely cause.
-    Heading { degrees: f64, likely: &'static str },
-}
-
 /// A stretch of a track in which the actor moves.
 struct Stretch {
     /// The way, in a straight line.
@@ -98,9 +90,11 @@ pub(super) enum TrackOf {
     Pedestrian,
 }
 
-/// Finds units that do not fit, in the poses and speeds (m/s) of an actor at instants that are `dt` (s) apart. Medians decide, so noise and a standing
+/// Refuses units that do not fit, in the poses and speeds (m/s) of an actor at instants that are `dt` (s) apart. Medians decide, so noise and a standing
 /// actor are not a misfit.
-pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misfit> {
+pub(super) fn misfit(who: &'static str, track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Result<(), RecordingError> {
+    let units =
+        |ratio: f64| RecordingError::Units { who, ratio, dt: (dt * 1e6).round() / 1e6, likely: cause_of(ratio, dt) };
     let is_signed = track.iter().any(|(_, speed)| *speed < -MOVING);
     let noise = noise(&track.iter().map(|(pose, _)| pose.position().coords).collect::<Vec<Vector>>());
     let (length, minimum, reverses) = match of {
@@ -109,12 +103,12 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
     };
     let stretches = stretches(track, dt, length);
     if stretches.len() < minimum {
-        return None;
+        return Ok(());
     }
     let ratio = median(stretches.iter().map(Stretch::ratio));
     let longest = stretches.iter().map(Stretch::ratio).fold(0.0, f64::max);
     if longest < EXPLAINED.0 || ratio > EXPLAINED.1 {
-        return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) });
+        return Err(units(ratio));
     }
     let deviation = |stretch: &Stretch, reading: usize| {
         let angle = stretch.angle(reading).abs();
@@ -143,11 +137,11 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
             "the numbers look like radians where degrees are needed"
         }
         () if found <= FRAC_PI_4 => match lasting(&stretches, noise, reverses, of) {
-            (ratio, _) if ratio != 1.0 => return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) }),
+            (ratio, _) if ratio != 1.0 => return Err(units(ratio)),
             (_, true) => {
                 "it does so from the first instant to the last; correct the heading, or the frame of the positions"
             }
-            _ => return None,
+            _ => return Ok(()),
         },
         () if found < PI - FRAC_PI_4 => {
             "angles count from x to y; of a left-handed frame change the signs of y and of the heading"
@@ -156,7 +150,7 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
         () if of == TrackOf::Car => "a car that reverses has a negative speed",
         () => "the heading is that of the motion",
     };
-    Some(Misfit::Heading { degrees: found.max(mean(0)).to_degrees(), likely })
+    Err(RecordingError::Heading { who, degrees: found.max(mean(0)).to_degrees(), likely })
 }
 
 /// What holds in each part of a recording: the least ratio of the ways to what the speeds explain, 1 if it is small or noise in one of them, and whether headings deviate to one
@@ -193,7 +187,7 @@ fn lasting(stretches: &[Stretch], noise: f64, reverses: f64, of: TrackOf) -> (f6
 /// Whether enough of a track shows that its units fit.
 pub(super) fn fits(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> bool {
     let length = if of == TrackOf::Car { STRETCH } else { SHORT_STRETCH };
-    stretches(track, dt, length).len() >= MIN_SHORT_STRETCHES && misfit(track, dt, of).is_none()
+    stretches(track, dt, length).len() >= MIN_SHORT_STRETCHES && misfit("", track, dt, of).is_ok()
 }
 
 /// What explains stretches of another length.
@@ -240,11 +234,4 @@ fn stretches(track: &[(Pose, f64)], dt: f64, length: f64) -> Vec<Stretch> {
         (first, explained) = (instant, 0.0);
     }
     found
-}
-
-/// The middle number; the lower one of two.
-fn median(numbers: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = numbers.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted[(sorted.len() - 1) / 2]
 }

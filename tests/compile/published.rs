@@ -14,39 +14,83 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// An encounter of the reference folder. A hidden pedestrian is one whose recording begins when it appears.
-fn judged(each: &Value, about: &Value, scenario: &episode::Scenario) -> Encountered {
+/// An encounter of the reference folder at instants that are `dt` (s) apart. A hidden pedestrian is one whose recording begins when it appears.
+fn judged(each: &Value, about: &Value, scenario: &episode::Scenario, dt: f64) -> Encountered {
     let (speed, arrival) = (number(&each["car_speed"]), number(&each["arrival_s"]));
     let half = number(&about["car"]["length_m"]) / 2.0;
     let poses = each["poses"].as_array().expect("poses");
-    let appears = each.get("visible_s").map_or(0, |seen| (number(seen) / DT).round() as usize);
-    let instants = appears..poses.len();
+    let every = (DT / dt).round() as usize;
+    let appears = each.get("visible_s").map_or(0, |seen| (number(seen) / dt).round() as usize);
+    let instants = appears..(poses.len() - 1) * every + 1;
     let car = |instant: usize| {
-        let pose = Pose::new(speed * (instant as f64 * DT - arrival) - half, 0.0, 0.0);
+        let pose = Pose::new(speed * (instant as f64 * dt - arrival) - half, 0.0, 0.0);
         VehicleState { pose, speed, ..VehicleState::default() }
     };
-    let place = |instant: usize| Point::new(number(&poses[instant][0]), number(&poses[instant][1]));
-    let velocity =
-        |instant: usize| (place((instant + 1).min(poses.len() - 1)) - place(instant.min(poses.len() - 2))) / DT;
+    let pose = |pose: usize| Point::new(number(&poses[pose][0]), number(&poses[pose][1]));
+    let velocity = |instant: usize| {
+        let before = (instant / every).min(poses.len() - 2);
+        (pose(before + 1) - pose(before)) / DT
+    };
+    let place = |instant: usize| pose(instant / every) + velocity(instant) * ((instant % every) as f64 * dt);
     let walker = |instant: usize| {
         let (place, velocity) = (place(instant), velocity(instant));
         let pose = Pose::new(place.x, place.y, libm::atan2(velocity.y, velocity.x));
         PedestrianState { velocity, ..PedestrianState::standing(pose) }
     };
-    let recording = Recording::new(DT, instants.clone().map(car).collect(), instants.map(walker).collect());
+    let recording = Recording::new(dt, instants.clone().map(car).collect(), instants.map(walker).collect());
     recording.expect("a recording").judged_without_obstacles(scenario)
 }
 
-/// Where a model ends otherwise than its authors' code, which steps at 100 Hz, and the likely reason: inferred from the times of trigger and brake, not traced.
-const OTHERWISE: [(&str, &str, &str); 7] = [
-    ("esmini", "along_turn_032", "it turns in between two poses; the automatic brake begins 0.07 s later"),
-    ("esmini", "occluded_020", "it appears between two instants, 0.06 s later"),
-    ("r157_cc", "along_turn_014", "safe again and again at a time to collision of 2 s"),
-    ("r157_cc", "standing_001", "it moves with the mean of two speeds, theirs with the lower one: 0.8 m/s are left"),
-    ("r157_cc_lane", "standing_001", "the same"),
-    ("rss_free", "cross_near_085", "theirs goes on, since the pedestrian could still give way"),
-    ("rss_lanes", "along_turn_053", "0.104 m/s are left, and below 0.1 m/s is no touch"),
+/// Where a model ends otherwise than its authors' code, and why.
+const OTHERWISE: [(&str, &str, Why); 7] = [
+    ("esmini", "along_turn_032", Why::HalfAsWide),
+    ("esmini", "occluded_020", Why::HalfAsWide),
+    ("r157_cc", "along_turn_014", Why::Rate),
+    ("r157_cc", "standing_001", Why::Rate),
+    ("r157_cc_lane", "standing_001", Why::Rate),
+    ("rss_free", "cross_near_085", Why::NeverBrakes),
+    ("rss_lanes", "along_turn_053", Why::Rate),
 ];
+
+/// What the ticks of both show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Why {
+    /// Theirs steps at 100 Hz: at this rate ours ends as theirs.
+    Rate,
+    /// The automatic brake of the reading begins when the person's middle is 0.99 m beside the axis, as of a body half as wide as the disc; ours at 0.89 m, when
+    /// all of the disc is in front.
+    HalfAsWide,
+    /// ad-rss never brakes for this person, who stands beside the road until 2.2 s before the touch; ours does, at any rate. What ad-rss weighs otherwise is not traced.
+    NeverBrakes,
+}
+
+/// Asserts it.
+fn explained(each: &Value, about: &Value, scenario: &episode::Scenario, (model, theirs, why): (&str, &Value, Why)) {
+    let judged = judged(each, about, scenario, 0.01);
+    let answers = judged.answers();
+    let ours = answers.iter().find(|answer| answer.driver.name == model).unwrap();
+    let avoids = theirs[0] == 0;
+    assert_eq!(ours.trial.is_avoided() == avoids, why == Why::Rate, "{model}, {}", each["id"]);
+    match why {
+        Why::Rate => {}
+        Why::NeverBrakes => assert!(theirs[4].is_null() && ours.brake.is_some_and(|before| before > 3.0)),
+        Why::HalfAsWide => {
+            // Braking grows from 0 with 13.9 m/s³ and is noted above 0.5 m/s².
+            let aside = |time: f64| {
+                let (before, share) = (((time - 0.036) / DT) as usize, ((time - 0.036) / DT).fract());
+                let [y, next] = [before, before + 1].map(|pose| number(&each["poses"][pose][1]));
+                (y + (next - y) * share).abs()
+            };
+            let appears = each.get("visible_s").map_or(0.0, number);
+            let our_brake = appears + judged.touch.unwrap() - ours.brake.unwrap();
+            let (their_place, our_place) = (aside(number(&theirs[4])), aside(our_brake));
+            assert!(
+                (their_place - 0.99).abs() < 0.015 && (our_place - 0.89).abs() < 0.015,
+                "{their_place}, {our_place} m"
+            );
+        }
+    }
+}
 
 /// Each model is that of its authors in at least 98 % of the encounters, each other case is known, and no collision is preventable that their Fuzzy Safety Model
 /// does not avoid. The answers of `esmini` are a reading of its source.
@@ -68,7 +112,7 @@ fn the_models_of_the_reference_folder_answer_as_their_authors_code() {
     ];
     let (mut others, mut asked, mut preventable) = (Vec::new(), 0, 0);
     for each in file["encounters"].as_array().unwrap() {
-        let judged = judged(each, &file["about"], &scenario);
+        let judged = self::judged(each, &file["about"], &scenario, DT);
         let Some(verdict) = judged.verdict else { continue };
         let (id, answers) = (each["id"].as_str().unwrap(), judged.answers());
         asked += 1;
@@ -78,6 +122,9 @@ fn the_models_of_the_reference_folder_answer_as_their_authors_code() {
             let answer = answers.iter().find(|answer| answer.driver.name == ours).unwrap();
             if answer.trial.is_avoided() != (each["answers"][theirs][0] == 0) {
                 others.push((ours, id.to_owned()));
+                let known = OTHERWISE.iter().find(|(name, known, _)| (*name, *known) == (ours, id));
+                let (.., why) = known.unwrap_or_else(|| panic!("{ours}, {id}"));
+                explained(each, &file["about"], &scenario, (ours, &each["answers"][theirs], *why));
             }
         }
     }
@@ -86,9 +133,6 @@ fn the_models_of_the_reference_folder_answer_as_their_authors_code() {
     for (model, _) in models {
         let count = others.iter().filter(|(name, _)| *name == model).count();
         assert!(count * 50 <= asked, "{model}: {count} of {asked}");
-    }
-    for (model, id) in others {
-        assert!(OTHERWISE.iter().any(|(name, known, _)| (*name, *known) == (model, &id)), "{model}, {id}");
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use base::seed::{Seed, Stream};
 use episode::Scenario;
 use rand::RngExt;
-use verdict::{Encountered, Recording, RecordingFileError};
+use verdict::{Encountered, Recording, RecordingFileError, Units};
 
 /// An encounter on a straight road. The car drives east; its bumper is at `x = 0` at time 0.
 #[derive(Clone, Copy)]
@@ -73,7 +73,7 @@ fn csv(rows: &[Row], columns: usize) -> String {
 const WITH_AND_WITHOUT: [usize; 2] = [9, 7];
 
 fn judged(scenario: &Scenario, rows: &[Row], columns: usize) -> Result<Encountered, RecordingFileError> {
-    Ok(Recording::from_csv(&csv(rows, columns))?.judged_without_obstacles(scenario))
+    Ok(Recording::from_csv(&csv(rows, columns), &Units::default())?.judged_without_obstacles(scenario))
 }
 
 /// The class of a recording, or why it is refused.
@@ -160,9 +160,12 @@ fn a_row_without_speed_is_no_stop() {
 #[test]
 fn positions_may_be_rounded_or_held() {
     let round = |number: &mut f64, step: f64| *number = (*number / step).round() * step;
-    unchanged(&[10.0, 20.0, 50.0, 100.0], "rounded to 0.1 m", |rows, _| {
+    let rounded = |rows: &mut Vec<Row>, _| {
         rows.iter_mut().for_each(|row| [1, 2, 5, 6].map(|place| round(&mut row[place], 0.1)).into_iter().collect());
-    });
+    };
+    unchanged(&[10.0, 20.0, 50.0], "rounded to 0.1 m", rounded);
+    // As coarse as a step of the car.
+    unchanged_or(&[100.0], "rounded to 0.1 m", rounded, &["positions of the car have a noise"]);
     unchanged(&[50.0, 100.0], "held for 0.1 s", |rows, rate| {
         let held = rows.clone();
         let every = (0.1 * rate) as usize;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use base::messages;
+use mcap::sans_io::LinearReaderOptions;
 use prost::Message;
 
 use super::messages::{Base, GroundTruth, Identifier, MovingObject};
@@ -14,12 +15,21 @@ messages! {
     SensorView {
         ground_truth: Option<GroundTruth> = 7 (message, optional),
     }
+    /// The objects of a `GroundTruth`, which are counted before memory is taken for them.
+    Counted {
+        standing: Vec<Unread> = 4 (message, repeated),
+        moving: Vec<Unread> = 5 (message, repeated),
+    }
+    CountedView {
+        ground_truth: Option<Counted> = 7 (message, optional),
+    }
+    Unread {}
 }
 
 /// A file that holds no trace of ground truth.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TraceError {
-    #[error("it is no MCAP file: {0}")]
+    #[error("it is a damaged MCAP file: {0}")]
     Mcap(String),
     #[error("there is no message of `osi3.GroundTruth` or `osi3.SensorView` in it; there is {0}")]
     Empty(String),
@@ -27,6 +37,8 @@ pub enum TraceError {
     Message { number: usize, reason: String },
     #[error("message {number} ends after {found} of {wanted} bytes: the file is cut")]
     Cut { number: usize, found: usize, wanted: usize },
+    #[error("{0}; cut the recording")]
+    Large(String),
     #[error("message {number}: the object {object} has no {what}")]
     Missing { number: usize, object: u64, what: &'static str },
     #[error(
@@ -44,10 +56,17 @@ const NO_CARS: [i32; 4] = [11, 15, 17, 18];
 /// Objects that are lower do not hide a pedestrian (m).
 const LOW: f64 = 1.2;
 
+/// The most bytes of a message, and of all chunks before they were compressed; the most objects of a message, messages, and states of actors.
+const MAX_MESSAGE: usize = 16 << 20;
+const MAX_CHUNKS: u64 = 4 << 30;
+const MAX_OBJECTS: usize = 100_000;
+const MAX_MESSAGES: usize = verdict::Recording::MAX_INSTANTS;
+const MAX_STATES: usize = 5_000_000;
+
 /// Reads a trace: an MCAP file, or messages with their lengths before them.
 ///
 /// # Errors
-/// The file is cut, holds no such messages, or they have no constant step.
+/// The file is cut, is larger than memory should hold, has no such messages, or they have no constant step.
 pub fn read(bytes: &[u8]) -> Result<RecordedScene, TraceError> {
     let mut reader = Reader::default();
     if bytes.starts_with(b"\x89MCAP") {
@@ -56,6 +75,17 @@ pub fn read(bytes: &[u8]) -> Result<RecordedScene, TraceError> {
         reader.read_lengths(bytes)?;
     }
     reader.scene()
+}
+
+/// Whether the first `size` bytes of a chunk are whole records, each a byte and its length before it.
+fn is_whole(data: &[u8], size: usize) -> bool {
+    let Some(mut rest) = data.get(..size) else { return false };
+    while let Some((head, after)) = rest.split_first_chunk::<9>() {
+        let length = u64::from_le_bytes(*head.last_chunk().unwrap_or(&[0; 8]));
+        let Some(next) = usize::try_from(length).ok().and_then(|length| after.get(length..)) else { return false };
+        rest = next;
+    }
+    rest.is_empty()
 }
 
 /// What was read up to now.
@@ -67,14 +97,31 @@ struct Reader {
     tracks: BTreeMap<u64, Vec<RecordedActor>>,
     obstacles: BTreeMap<u64, OrientedBox>,
     host: Option<u64>,
+    /// The number of states of all tracks.
+    states: usize,
 }
 
 impl Reader {
     fn read_mcap(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
         let failed = |error: mcap::McapError| TraceError::Mcap(error.to_string());
+        let mut chunks = 0_u64;
+        for record in mcap::read::LinearReader::new(bytes).map_err(failed)? {
+            if let mcap::records::Record::Chunk { header, data } = record.map_err(failed)? {
+                chunks = chunks.saturating_add(header.uncompressed_size);
+                let is_open = header.compression.is_empty();
+                if is_open && !usize::try_from(header.compressed_size).is_ok_and(|size| is_whole(&data, size)) {
+                    return Err(TraceError::Mcap("a chunk ends within a record".to_owned()));
+                }
+            }
+        }
+        if chunks > MAX_CHUNKS {
+            return Err(TraceError::Large(format!("its chunks have {chunks} bytes; at most {MAX_CHUNKS} are read")));
+        }
         let mut others = BTreeMap::<String, usize>::new();
-        for message in mcap::MessageStream::new(bytes).map_err(failed)? {
+        let options = LinearReaderOptions::default().with_record_length_limit(MAX_MESSAGE);
+        for message in mcap::io::MessageReader::new_with_options(bytes, options) {
             let message = message.map_err(failed)?;
+            Self::check_objects(&message.data, self.times.len() + 1)?;
             let schema = message.channel.schema.as_ref().map_or("", |schema| &schema.name);
             let read = match schema {
                 "osi3.GroundTruth" => GroundTruth::decode(&*message.data).map(Some),
@@ -95,6 +142,20 @@ impl Reader {
         Ok(())
     }
 
+    /// # Errors
+    /// The message has too many objects, as a ground truth or as a view.
+    fn check_objects(data: &[u8], number: usize) -> Result<(), TraceError> {
+        let view = CountedView::decode(data).ok().and_then(|view| view.ground_truth);
+        let counted = [Counted::decode(data).ok(), view].into_iter().flatten();
+        let most = counted.map(|truth| truth.standing.len() + truth.moving.len()).max().unwrap_or(0);
+        match most > MAX_OBJECTS {
+            true => {
+                Err(TraceError::Large(format!("message {number} has {most} objects; at most {MAX_OBJECTS} are read")))
+            }
+            false => Ok(()),
+        }
+    }
+
     /// Reads messages with their lengths before them, as four bytes, the lowest first.
     fn read_lengths(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
         let mut rest = bytes;
@@ -103,6 +164,11 @@ impl Reader {
             let Some((data, next)) = after.split_at_checked(wanted) else {
                 return Err(TraceError::Cut { number, found: after.len(), wanted });
             };
+            if wanted > MAX_MESSAGE {
+                let most = format!("message {number} has {wanted} bytes; at most {MAX_MESSAGE} are read");
+                return Err(TraceError::Large(most));
+            }
+            Self::check_objects(data, number)?;
             let refused = |error: prost::DecodeError| TraceError::Message { number, reason: error.to_string() };
             let is_truth = |truth: &GroundTruth| truth.timestamp.is_some() && !truth.moving_objects.is_empty();
             let truth = match GroundTruth::decode(data) {
@@ -115,11 +181,20 @@ impl Reader {
             self.add(&truth)?;
             rest = next;
         }
+        // Fewer than the four bytes of a length.
+        if !rest.is_empty() {
+            return Err(TraceError::Cut { number: self.times.len() + 1, found: rest.len(), wanted: 4 });
+        }
         Ok(())
     }
 
     fn add(&mut self, truth: &GroundTruth) -> Result<(), TraceError> {
         let instant = self.times.len();
+        self.states += truth.moving_objects.len();
+        if instant == MAX_MESSAGES || self.states > MAX_STATES {
+            let most = format!("it has more than {MAX_MESSAGES} messages or {MAX_STATES} states of objects");
+            return Err(TraceError::Large(most));
+        }
         let stamp = truth.timestamp.clone().unwrap_or_default();
         self.times.push(stamp.seconds.unwrap_or(0) as f64 + f64::from(stamp.nanos.unwrap_or(0)) * 1e-9);
         self.host = self.host.or(truth.host_vehicle.as_ref().map(|id| value(Some(id))));

@@ -3,7 +3,6 @@ mod recordings;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::json;
 
 use super::condition;
 use crate::cli::console;
@@ -11,7 +10,7 @@ use crate::cli::failure::{failed, misused, unwritten};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::Error;
 use recordings::Recordings;
-use results::report::{self, Gate, JudgedMeeting};
+use results::report::{self, Gate, JudgedMeeting, JudgedRecording};
 use verdict::{HeadingUnit, Sizes, Units};
 
 pub const EXAMPLES: &str = "\
@@ -35,7 +34,7 @@ Files:
 The frame is right-handed. Of recordings from CARLA change the signs of y and of the heading.
 A recording begins before the pedestrian is a danger. It cannot say that it was dark or wet. What is damaged in it is told with its place; an answer that rests on it is `cannot tell`.
 
---fail-if counts `encounters`, `touches`, `preventable`, `faults` and `cannot_tell`. A touch that cannot be judged fails a condition about verdicts.
+--fail-if counts `encounters`, `touches`, `preventable`, `faults` and `cannot_tell`. A touch or a pair that cannot be judged fails a condition about verdicts.
 
 Exit codes: 0 it was judged   2 the file cannot be read, or is not a recording   6 a file cannot be written
   7 a condition is true";
@@ -85,7 +84,7 @@ pub struct JudgeArgs {
     /// Fail with exit code 7 if this is true, such as `preventable > 0`.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
-    /// Let touches that cannot be judged pass a condition about `preventable` or `faults`, which they fail otherwise.
+    /// Let touches and pairs that cannot be judged pass a condition about `preventable` or `faults`, which they fail otherwise.
     #[arg(long, requires = "fail_if")]
     pub allow_unjudged: bool,
     /// Print one JSON object, for programs.
@@ -103,13 +102,10 @@ pub fn judge(options: &JudgeArgs) -> Ended {
         Sizes { length: options.length, width: options.width, radius: options.radius, full_brake: options.full_brake };
     let recordings = Recordings::read(&options.file, options.near, options.car.as_deref(), &units(options));
     let judged = recordings.and_then(|recordings| recordings.judged(sizes));
-    let mut all = judged.map_err(|reason: String| {
-        failed(Error::Usage(format!("cannot judge `{}`: {}", options.file.display(), with_option(&reason))))
-    })?;
-    JudgedMeeting::sort(&mut all);
+    let all = judged
+        .map_err(|reason| failed(Error::Usage(format!("cannot judge `{}`: {}", options.file.display(), reason))))?;
     if options.json {
-        let encounters: Vec<_> = all.iter().map(JudgedMeeting::to_json).collect();
-        console::say(&json!({ "encounters": encounters }).to_string());
+        console::say(&all.to_json().to_string());
     } else {
         tell_all(&all, options);
     }
@@ -151,33 +147,16 @@ fn units(options: &JudgeArgs) -> Units {
     Units { time, speed, heading, without_velocity: options.no_velocity }
 }
 
-/// The option that says what a recording looks like, for the reasons that name it.
-const OPTIONS: [(&str, &str); 7] = [
-    ("look like milliseconds", "--time-unit ms"),
-    ("look like microseconds", "--time-unit us"),
-    ("look like nanoseconds", "--time-unit ns"),
-    ("look like km/h", "--speed-unit km/h"),
-    ("look like mph", "--speed-unit mph"),
-    ("look like radians", "--heading-unit rad"),
-    ("look like compass bearings", "--heading-unit compass"),
-];
-
-/// A reason, with the option that helps.
-fn with_option(reason: &str) -> String {
-    let body = "leave out speed and heading";
-    let option = OPTIONS.iter().find(|(words, _)| reason.contains(words)).map(|(_, option)| *option);
-    match option.or(reason.contains(body).then_some("--no-velocity")) {
-        Some(option) => format!("{reason} (`{option}`)"),
-        None => reason.to_owned(),
-    }
-}
-
 fn say_wrapped(text: &str) {
     console::say(console::wrapped(text).trim_end());
 }
 
 /// Prints the encounters for people: all in a table if there are several, and the worst in words.
-fn tell_all(all: &[JudgedMeeting], options: &JudgeArgs) {
+fn tell_all(recording: &JudgedRecording, options: &JudgeArgs) {
+    let all = &recording.encounters;
+    for pair in &recording.unjudged {
+        say_wrapped(&pair.to_string());
+    }
     let Some(worst) = all.first() else {
         say_wrapped(&format!("no pedestrian comes nearer than {} m to a car that is judged", options.near));
         return;

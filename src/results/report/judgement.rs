@@ -1,5 +1,7 @@
 //! Judged recordings: which encounters there are, how severe each is, and what is told of them.
 
+use std::fmt;
+
 use serde_json::{Value as Json, json};
 
 use super::ReferenceAnswers;
@@ -21,10 +23,31 @@ pub struct JudgedMeeting {
     pub sensitivity: Option<Sensitivity>,
 }
 
+/// A car and a pedestrian of a recording that cannot be judged.
+#[derive(Debug, Clone)]
+pub struct Unjudged {
+    pub car: String,
+    pub pedestrian: String,
+    pub reason: String,
+}
+
+impl fmt::Display for Unjudged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "car {}, pedestrian {} cannot be judged: {}", self.car, self.pedestrian, self.reason)
+    }
+}
+
+/// The encounters of a recording, the worst first, and the pairs that cannot be judged.
+#[derive(Debug, Clone, Default)]
+pub struct JudgedRecording {
+    pub encounters: Vec<JudgedMeeting>,
+    pub unjudged: Vec<Unjudged>,
+}
+
 impl JudgedMeeting {
-    /// The verdict; `None` without a touch, where the recording does not tell, and where noise decides it.
+    /// The verdict; `None` without a touch, and where the recording does not tell.
     pub fn told(&self) -> Option<&Verdict> {
-        self.found.told().filter(|_| self.sensitivity.is_none_or(|sensitivity| sensitivity.is_steady))
+        self.found.told()
     }
 
     /// The time of the touch in the recording (s); `None` without one.
@@ -113,6 +136,18 @@ impl JudgedMeeting {
     }
 }
 
+impl JudgedRecording {
+    /// An object with all encounters, and all pairs that cannot be judged.
+    pub fn to_json(&self) -> Json {
+        let unjudged =
+            |pair: &Unjudged| json!({ "car": pair.car, "pedestrian": pair.pedestrian, "reason": pair.reason });
+        json!({
+            "encounters": self.encounters.iter().map(JudgedMeeting::to_json).collect::<Vec<_>>(),
+            "unjudged": self.unjudged.iter().map(unjudged).collect::<Vec<_>>(),
+        })
+    }
+}
+
 /// What is told of an encounter, a sentence each.
 pub fn judgement_lines(each: &JudgedMeeting) -> Vec<String> {
     let found = &each.found;
@@ -137,13 +172,15 @@ pub fn judgement_lines(each: &JudgedMeeting) -> Vec<String> {
     };
     let Some(verdict) = each.told() else {
         lines.push(format!("touch after {touch:.2} s"));
-        lines.push(match (&found.undecided, found.begins_late) {
-            (Some(finding), _) => format!("verdict: cannot tell. It rests on what is damaged: {finding}"),
-            (None, Some(late)) => format!(
+        lines.push(match &found.undecided {
+            Some(finding) if finding.decides() => {
+                format!("verdict: cannot tell. It rests on what is damaged: {finding}")
+            }
+            Some(_) => "verdict: cannot tell. With as much noise again it is another".to_owned(),
+            None => format!(
                 "verdict: cannot tell. The danger was under way when the recording begins; give at least {} s more before it",
-                (late * 10.0).ceil() / 10.0
+                (found.begins_late.unwrap_or(0.0) * 10.0).ceil() / 10.0
             ),
-            (None, None) => "verdict: cannot tell. It changes within the noise of the recorded positions".to_owned(),
         });
         return lines;
     };
@@ -193,28 +230,39 @@ pub fn meetings_for_terminal(all: &[JudgedMeeting], width: u16) -> String {
         .to_terminal(width)
 }
 
-/// A row for each encounter, for CSV.
-pub fn meetings_table(all: &[JudgedMeeting]) -> polars::prelude::DataFrame {
-    let table: Table<'_, JudgedMeeting> =
-        Table::new("encounters", "One row for each encounter.").columns(entries! { row: &JudgedMeeting;
+/// A car, a pedestrian, and how they meet or why that is not judged.
+type Row<'a> = (&'a str, &'a str, Result<&'a JudgedMeeting, &'a str>);
+
+/// A row for each pair, for CSV.
+pub fn meetings_table(all: &JudgedRecording) -> polars::prelude::DataFrame {
+    let table: Table<'_, Row<'_>> =
+        Table::new("encounters", "One row for each pair.").columns(entries! { row: &Row<'_>;
             /// the car
-            car: String = row.car.clone();
+            car: String = row.0.to_owned();
             /// the pedestrian
-            pedestrian: String = row.pedestrian.clone();
+            pedestrian: String = row.1.to_owned();
             /// time of the touch in the recording, empty without one
-            touch_s: f64 ["s"] = row.touch();
-            /// its verdict
-            verdict: String = row.word();
+            touch_s: f64 ["s"] = row.2.ok().and_then(JudgedMeeting::touch);
+            /// its verdict; `not judged` if the recording of the two does not allow any
+            verdict: String = row.2.map_or("not judged", JudgedMeeting::word);
             /// speed of the car at the touch
-            impact_speed_mps: f64 ["m/s"] = row.told().map(|verdict| verdict.impact_speed);
+            impact_speed_mps: f64 ["m/s"] = row.2.ok().and_then(|each| Some(each.told()?.impact_speed));
+            /// published drivers that avoid the touch, of those who vote
+            votes_avoid: u64 = row.2.ok().and_then(|each| Some(each.answers()?.votes().0 as u64));
+            /// published drivers who vote
+            votes: u64 = row.2.ok().and_then(|each| Some(each.answers()?.votes().1 as u64));
             /// least time to collision
-            min_ttc_s: f64 ["s"] = row.found.near_miss.min_ttc;
+            min_ttc_s: f64 ["s"] = row.2.ok().and_then(|each| each.found.near_miss.min_ttc);
             /// post-encroachment time
-            pet_s: f64 ["s"] = row.found.near_miss.pet;
+            pet_s: f64 ["s"] = row.2.ok().and_then(|each| each.found.near_miss.pet);
             /// least distance
-            least_gap_m: f64 ["m"] = row.found.least_gap;
+            least_gap_m: f64 ["m"] = row.2.ok().map(|each| each.found.least_gap);
+            /// why it is not judged
+            reason: String = row.2.err().unwrap_or_default().to_owned();
         });
-    table.frame(all)
+    let judged = all.encounters.iter().map(|each| (&*each.car, &*each.pedestrian, Ok(each)));
+    let unjudged = all.unjudged.iter().map(|pair| (&*pair.car, &*pair.pedestrian, Err(&*pair.reason)));
+    table.frame(&judged.chain(unjudged).collect::<Vec<_>>())
 }
 
 /// What is counted of a recording.
@@ -222,7 +270,7 @@ pub fn meetings_table(all: &[JudgedMeeting]) -> polars::prelude::DataFrame {
 struct Counts {
     encounters: usize,
     touches: usize,
-    /// `None` if a touch cannot be judged.
+    /// `None` if a touch or a pair cannot be judged.
     preventable: Option<u64>,
     faults: Option<u64>,
     cannot_tell: usize,
@@ -235,11 +283,11 @@ fn counted() -> Table<'static, Counts> {
         encounters: u64 = row.encounters as u64;
         /// encounters that end in a touch
         touches: u64 = row.touches as u64;
-        /// touches that every careful driver avoids; missing if a touch cannot be judged
+        /// touches that every careful driver avoids; missing if a touch or a pair cannot be judged
         preventable: u64 = row.preventable;
-        /// touches that count against the driver; missing if a touch cannot be judged
+        /// touches that count against the driver; missing if a touch or a pair cannot be judged
         faults: u64 = row.faults;
-        /// touches that cannot be judged
+        /// touches and pairs that cannot be judged
         cannot_tell: u64 = row.cannot_tell as u64;
     })
 }
@@ -250,14 +298,14 @@ pub fn counted_reference() -> TableReference {
 }
 
 /// What conditions judge: a row with the counts of a recording.
-pub fn counted_table(all: &[JudgedMeeting]) -> polars::prelude::DataFrame {
-    let count = |is: &dyn Fn(&JudgedMeeting) -> bool| all.iter().filter(|each| is(each)).count();
+pub fn counted_table(all: &JudgedRecording) -> polars::prelude::DataFrame {
+    let count = |is: &dyn Fn(&JudgedMeeting) -> bool| all.encounters.iter().filter(|each| is(each)).count();
     let touches = count(&|each| each.found.touch.is_some());
-    let cannot_tell = touches - count(&|each| each.told().is_some());
+    let cannot_tell = touches - count(&|each| each.told().is_some()) + all.unjudged.len();
     let known =
         |is: &dyn Fn(&Verdict) -> bool| (cannot_tell == 0).then(|| count(&|each| each.told().is_some_and(is)) as u64);
     counted().frame(&[Counts {
-        encounters: all.len(),
+        encounters: all.encounters.len() + all.unjudged.len(),
         touches,
         preventable: known(&Verdict::is_preventable),
         faults: known(&Verdict::is_fault),

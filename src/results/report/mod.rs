@@ -70,7 +70,8 @@ pub use recheck::{
 
 // Text and pictures.
 pub use judgement::{
-    JudgedMeeting, counted_reference, counted_table, judgement_lines, meetings_for_terminal, meetings_table,
+    JudgedMeeting, JudgedRecording, Unjudged, counted_reference, counted_table, judgement_lines, meetings_for_terminal,
+    meetings_table,
 };
 pub use reference_answers::ReferenceAnswers;
 pub use render::{

@@ -1,7 +1,5 @@
 //! What published drivers do in an encounter: one table, for a terminal, for a page and for machines.
 
-use serde_json::json;
-
 use super::render::{Column, Selection, Table, Value};
 use verdict::Answer;
 
@@ -18,16 +16,21 @@ impl ReferenceAnswers<'_> {
         format!("{}{}\n", self.table().to_terminal(width), self.count())
     }
 
-    /// How many of the published drivers avoid it.
+    /// The drivers who vote and avoid it, and all who vote.
+    pub fn votes(&self) -> (usize, usize) {
+        let voting = || self.answers.iter().filter(|answer| answer.driver.votes);
+        (voting().filter(|answer| answer.trial.is_avoided()).count(), voting().count())
+    }
+
+    /// How many of the published drivers avoid it, of those who vote.
     pub fn count(&self) -> String {
-        let published: Vec<&Answer> = self.answers.iter().filter(|answer| answer.driver.is_published).collect();
-        let avoid = published.iter().filter(|answer| answer.trial.is_avoided()).count();
-        format!("{avoid} of {} published drivers avoid it", published.len())
+        let (avoid, all) = self.votes();
+        format!("{avoid} of {all} published drivers avoid it (those without a vote are not counted)")
     }
 
     /// A row for each driver; times count from the first instant.
     pub(crate) fn table(&self) -> Table {
-        let at = |before: Option<f64>| Value::number(before.map(|before| (self.touch - before).max(0.0)), 2);
+        let at = |before: Option<f64>| Value::number(Answer::time(before, self.touch), 2);
         Selection::new()
             .column(Column::text("driver"), |answer: &Answer| Value::code(answer.driver.name))
             .text("source", |answer| Value::text(answer.driver.source))
@@ -35,32 +38,14 @@ impl ReferenceAnswers<'_> {
             .number("at (s)", move |answer| at(answer.trigger))
             .number("TTC (s)", |answer| Value::number(answer.ttc.filter(|ttc| ttc.is_finite()), 2))
             .number("brakes (s)", move |answer| at(answer.brake))
-            .text("ends", |answer| {
-                Value::text(match answer.trial.impact_speed {
-                    None => format!("avoids, {:.2} m", answer.trial.least_gap),
-                    Some(speed) => format!("hits, {speed:.1} m/s"),
-                })
-            })
+            .number("hits (m/s)", |answer| Value::number(answer.trial.impact_speed, 1))
+            .number("spare (m)", |answer| Value::number(answer.trial.is_avoided().then_some(answer.trial.least_gap), 2))
+            .text("votes", |answer| Value::text(if answer.driver.votes { "yes" } else { "no" }))
             .table(self.answers)
     }
 
     /// An object for each driver; what does not apply is null.
     pub fn to_json(&self) -> Vec<serde_json::Value> {
-        let at = |before: Option<f64>| before.map(|before| (self.touch - before).max(0.0));
-        let object = |answer: &Answer| {
-            json!({
-                "driver": answer.driver.name,
-                "source": answer.driver.source,
-                "published": answer.driver.is_published,
-                "trigger": answer.driver.trigger,
-                "trigger_s": at(answer.trigger),
-                "ttc_at_trigger_s": answer.ttc.filter(|ttc| ttc.is_finite()),
-                "brake_s": at(answer.brake),
-                "avoids": answer.trial.is_avoided(),
-                "impact_mps": answer.trial.impact_speed,
-                "spare_m": answer.trial.is_avoided().then_some(answer.trial.least_gap),
-            })
-        };
-        self.answers.iter().map(object).collect()
+        self.answers.iter().map(|answer| answer.to_json(self.touch)).collect()
     }
 }

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::page::{OtherTrack, PlayerCard, Replay, document};
 use super::svg::{Chart, Curve, Figure, short};
 use crate::failure::FailureClass;
-use crate::report::{JudgedMeeting, judgement_lines};
+use crate::report::{JudgedMeeting, JudgedRecording, judgement_lines};
 use verdict::Answer;
 
 /// The drivers that drive beside the recorded car.
@@ -22,13 +22,15 @@ const BEFORE: f64 = 6.0;
 const AFTER: f64 = 3.0;
 
 /// The page about the encounters of the file with this name.
-pub fn judgement_page(name: &str, all: &[JudgedMeeting]) -> String {
+pub fn judgement_page(name: &str, recording: &JudgedRecording) -> String {
+    let all = &recording.encounters;
     let body = html! {
         header.top {
             p.kind { "falsify · judge" }
             h1 { (name) }
             p.lead { @match all.len() { 1 => "An encounter", many => { (many) " encounters, the worst first" } } ". Would a careful driver have avoided the touch?" }
             button #theme type="button" hidden { "Dark" }
+            @for pair in &recording.unjudged { p.warn { (pair.to_string()) } }
             @if all.len() > MOST { p.warn { "Players of the first " (MOST) "; JSON and CSV have all." } }
         }
         main #main {
