@@ -15,6 +15,8 @@ use crate::tables::overview::{SEARCHED_FAULTS, SEARCHED_STARTS, SEEDS, WHO, p_co
 use crate::tables::{Cell, FAULT_START_RATE, Metric, Row};
 use compile::HERE;
 
+/// How to read those of seeds in a terminal, and what only the page has.
+const PAGE_HAS: &str = "\n± is the standard deviation over the seeds; intervals and p come from four seeds on. The page has the differences of all figures and pairs.\n";
 /// How to read the tables.
 const READING: &str = "A row is a pedestrian, or a search, in a town against a driver. Rates are shares of all episodes: the mean over runs \
 ± one standard deviation. Variants of a matrix meet the same starts. `overview.csv` has the same numbers, and intervals.";
@@ -55,7 +57,7 @@ pub fn overview_for_terminal(overview: &Overview<'_>) -> PolarsResult<String> {
     let shown = if pooled.is_empty() { tables(overview) } else { pooled };
     let tables: Vec<String> = shown.iter().map(|table| table.to_terminal(80)).collect();
     let doubts: String = doubtful(overview).iter().map(|line| format!("\n{}", line.replace("**", ""))).collect();
-    let more = if pooled_seeds { "\nThe page has the differences of all figures and pairs.\n" } else { "" };
+    let more = if pooled_seeds { PAGE_HAS } else { "" };
     Ok(tables.join("\n") + more + &doubts)
 }
 
