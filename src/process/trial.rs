@@ -105,11 +105,15 @@ fn is_late(_: ExitStatus) -> bool {
     false
 }
 
-/// Maximum memory of a trial (MiB): at most half of what this process may have, since it loads afterwards what has passed.
+/// Maximum memory of a trial (MiB): at most half of what this process may have beside the program itself, since it loads afterwards what has passed.
 #[cfg(unix)]
 fn max_memory() -> u64 {
     use nix::sys::resource::{Resource, getrlimit};
-    getrlimit(Resource::RLIMIT_AS).map_or(MAX_MEMORY, |(soft, _)| MAX_MEMORY.min(soft >> 21))
+    // Its fourth field: the pages of code, of 4 KiB. Linux has the file.
+    let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let program = pages.split_whitespace().nth(3).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or_default() >> 8;
+    let most = |soft: u64| ((soft >> 20).saturating_sub(program)) / 2 + program;
+    getrlimit(Resource::RLIMIT_AS).map_or(MAX_MEMORY, |(soft, _)| MAX_MEMORY.min(most(soft)))
 }
 
 #[cfg(not(unix))]

@@ -117,7 +117,7 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     }
     let compare = |other: &str| said(&["compare", "out/two_worlds", "--worlds", "here", other], place.path());
     let (code, text) = compare("mine");
-    assert!(code == Some(0) && text.contains("idm in harbour (here and mine), intercept: 30 common starts"), "{text}");
+    assert!(code == Some(0) && text.contains("harbour (here and mine), intercept: 30 common starts"), "{text}");
     assert!(text.contains("Failures: 0 new, 0 worse, 0 fixed, 0 better, "), "our kinematics: {text}");
     let (code, text) = compare("moon");
     assert!(

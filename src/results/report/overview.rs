@@ -188,7 +188,7 @@ mod tests {
         let table = overview.table().unwrap();
         assert_eq!(table.height(), 4, "two values, two controllers");
         assert_eq!(table.column("weight").unwrap().str().unwrap().get(2), Some("8"));
-        assert_eq!(overview.rows.column(overview::WHO).unwrap().str().unwrap().get(3), Some("random r"));
+        assert_eq!(overview.rows.column(overview::WHO).unwrap().str().unwrap().get(3), Some("random"));
         assert_eq!(table.column("world").unwrap().str().unwrap().get(0), Some("there"));
         assert_eq!(table.column("collision_rate_sd").unwrap().f64().unwrap().get(1), None);
     }

@@ -146,6 +146,9 @@ pub fn compared() -> impl DoubleEndedIterator<Item = &'static Metric> {
     METRICS.into_iter().filter(|metric| metric.inference == Inference::Pairs)
 }
 
+/// What the charts of a training draw: the reward, then shares.
+pub const LEARNT: [&Metric; 3] = [&EPISODE_REWARD, &COLLISION_RATE, &FAULT_RATE];
+
 /// The metrics of an overview: those that are compared, the last first, and those of the paper.
 pub fn pooled() -> impl Iterator<Item = &'static Metric> {
     compared().rev().chain([&TOUCH_RATE, &EPISODE_REWARD])

@@ -1,8 +1,7 @@
 use super::TrainingResult;
-use crate::report::Findings;
 use crate::report::svg::{Chart, Curve, Figure, short, thousands};
 use crate::tables::Metric;
-use crate::tables::metrics::{COLLISION_RATE, EPISODE_REWARD, FAULT_RATE};
+use crate::tables::metrics::LEARNT;
 use base::statistics::{self, sample_deviation};
 use compile::TrainingKey;
 use learn::UpdateLog;
@@ -11,7 +10,7 @@ use learn::UpdateLog;
 type Points = Vec<(f64, f64)>;
 
 /// The pedestrian that learns nothing, whose level the charts have, and the colour of that.
-const LEVEL: (&str, usize) = ("intercept", 3);
+pub const LEVEL: (&str, usize) = ("intercept", 3);
 /// Approximate largest number of points of a curve.
 const POINTS: usize = 160;
 
@@ -25,25 +24,26 @@ struct Quantity {
 }
 
 /// The learning curves: mean reward, shares of collisions and faults and mean length of episodes over the decisions of a training.
-pub fn learning(found: &Findings<'_>) -> Vec<Figure> {
+pub fn learning(trainings: &[TrainingResult], level: Level<'_>) -> Vec<Figure> {
+    let [reward, collisions, faults] = LEARNT;
     let quantities = [
         Quantity {
             name: "learning_reward",
             title: "Reward of an episode while exploring, mean of the last 100",
             value: |log| log.mean_reward,
-            metric: Some(&EPISODE_REWARD),
+            metric: Some(reward),
         },
         Quantity {
             name: "learning_collisions",
             title: "Share of the last 100 episodes with a collision, with drawn actions as of `stochastic`",
             value: |log| log.success_rate,
-            metric: Some(&COLLISION_RATE),
+            metric: Some(collisions),
         },
         Quantity {
             name: "learning_faults",
             title: "Share of the last 100 episodes with a fault, with drawn actions",
             value: |log| log.fault_rate,
-            metric: Some(&FAULT_RATE),
+            metric: Some(faults),
         },
         Quantity {
             name: "learning_length",
@@ -52,22 +52,16 @@ pub fn learning(found: &Findings<'_>) -> Vec<Figure> {
             metric: None,
         },
     ];
-    quantities.iter().filter_map(|quantity| figure(found, quantity)).collect()
+    quantities.iter().filter_map(|quantity| figure(trainings, level, quantity)).collect()
 }
 
-/// The mean of the pedestrian that learns nothing, in the town of a training, against its driver and with its reward.
-fn level(found: &Findings<'_>, key: &TrainingKey, metric: &Metric) -> Option<f64> {
-    let is_beside = |cell: &&crate::tables::Cell| {
-        let is_paid = *metric != EPISODE_REWARD || cell.key.reward == key.reward;
-        cell.key.controller == LEVEL.0 && cell.key.town == key.town && cell.key.policy == key.policy && is_paid
-    };
-    found.cells.iter().chain(found.gathered.copies.iter()).find(is_beside)?.value(metric)
-}
+/// The mean of a metric of the pedestrian that learns nothing, in the town of a training, against its driver and with its reward.
+pub type Level<'a> = &'a dyn Fn(&TrainingKey, &Metric) -> Option<f64>;
 
-fn figure(found: &Findings<'_>, quantity: &Quantity) -> Option<Figure> {
+fn figure(trainings: &[TrainingResult], level: Level<'_>, quantity: &Quantity) -> Option<Figure> {
     let Quantity { name, title, value, metric } = quantity;
     let mut groups: Vec<(String, Vec<Points>, Option<f64>)> = Vec::new();
-    for training in found.finished.all::<TrainingResult>() {
+    for training in trainings {
         let Ok(trained) = &training.result else { continue };
         let key = &training.key;
         let group = format!("{} · {} · {}", key.reward, key.town, key.policy);
@@ -80,7 +74,7 @@ fn figure(found: &Findings<'_>, quantity: &Quantity) -> Option<Figure> {
         }
         match groups.iter_mut().find(|(known, ..)| *known == group) {
             Some((_, curves, _)) => curves.push(curve),
-            None => groups.push((group, vec![curve], metric.and_then(|metric| level(found, key, metric)))),
+            None => groups.push((group, vec![curve], metric.and_then(|metric| level(key, metric)))),
         }
     }
     if groups.is_empty() {

@@ -1,7 +1,9 @@
 use super::TrainingResult;
-use super::picture::learning;
+use super::picture::{LEVEL, learning};
 use crate::report::table::{Depth, Section, Selection, Value};
 use crate::report::{Findings, Rate};
+use crate::tables::{Cell, Metric};
+use compile::TrainingKey;
 use learn::UpdateLog;
 
 /// Trainings that differ only in their runs.
@@ -50,7 +52,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         name: "Trainings",
         title: "Trainings",
         depth: Depth::Page,
-        figures: learning(found),
+        figures: learning(trainings, &|key, metric| level(found, key, metric)),
         tables: vec![shown.table(&cells)],
         notes: vec![
             "Means of the last episodes of each training, while the pedestrian still explored. \"±\" is the standard deviation over trainings. \
@@ -60,6 +62,15 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         ],
         ..Section::default()
     })
+}
+
+/// The mean of a metric of the pedestrian that learns nothing, in the town of a training, against its driver; of a reward that of the training.
+fn level(found: &Findings<'_>, key: &TrainingKey, metric: &Metric) -> Option<f64> {
+    let is_beside = |cell: &&Cell| {
+        let is_paid = metric.is_share() || cell.key.reward == key.reward;
+        cell.key.controller == LEVEL.0 && cell.key.town == key.town && cell.key.policy == key.policy && is_paid
+    };
+    found.cells.iter().chain(found.gathered.copies.iter()).find(is_beside)?.value(metric)
 }
 
 /// The last update of each training that did not fail.
