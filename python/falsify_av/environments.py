@@ -4,7 +4,7 @@ An action is two numbers for each pedestrian: ``heading`` (rad, from the directi
 the left) and ``speed`` (m/s). It is kept for the ticks that the scenario's ``hold`` says. An observation is four numbers for each pedestrian:
 ``bearing`` of the car (rad, positive to the left), ``distance`` between the centres (m), ``relative_heading`` of the car (rad) and ``speed``
 (m/s). A body with ``action_scaling: unit`` takes actions in [-1, 1], one with ``observation_scaling: unit`` gives states divided by
-(pi, 30 m, pi, 8 m/s).
+(pi, 30 m, pi, 8 m/s). A body with ``road: true`` adds eight numbers, ``rays`` and ``others`` more (``falsify explain state``).
 """
 
 from __future__ import annotations

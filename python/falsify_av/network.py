@@ -177,7 +177,8 @@ def onnx(path: str | os.PathLike[str]) -> Walker:
 def hunter(body: str = "adult") -> Walker:
     """The trained pedestrian that comes with the program: ``hunter``, or ``hunter_child`` for the body ``"child"``.
 
-    It walks in scenarios with the body ``pursuer`` (``child_pursuer``) and needs ``pip install falsify-av[onnx]``.
+    It walks in scenarios with the body ``pursuer`` (``child_pursuer``) and needs ``pip install falsify-av[onnx]``. ``hunter`` sees the road: it
+    takes three states of twelve numbers, ``hunter_child`` three of four.
 
     Raises:
         ValueError: There is none with this body.

@@ -137,7 +137,7 @@ def test_the_pedestrians_of_a_cast_are_agents_with_the_names_of_their_roles():
 
     env = parallel_env(CAST)
     assert env.possible_agents == ["child_0", "group_0", "group_1"]
-    assert [env.observation_space(agent).shape for agent in env.possible_agents] == [(20,), (12,), (12,)]
+    assert [env.observation_space(agent).shape for agent in env.possible_agents] == [(20,), (20,), (20,)]
     parallel_api_test(env, num_cycles=300)
     parallel_seed_test(lambda: parallel_env(CAST), num_cycles=30)
     observations, _ = env.reset(seed=3)
@@ -146,7 +146,7 @@ def test_the_pedestrians_of_a_cast_are_agents_with_the_names_of_their_roles():
     assert (present, is_vehicle) == (1, 0) and np.hypot(ahead, left) < 1.3
 
 
-def test_the_space_of_states_with_rays_and_others_holds_them():
+def test_the_space_of_states_with_road_rays_and_others_holds_them():
     check_env(falsify_av.make(CAST), skip_render_check=True)
 
 

@@ -67,6 +67,9 @@ keys! {
         action_scaling: Scaling = "natural",
         /// The speed in its state: the ego's, or that of the two relative to each other.
         observed_speed: ObservedSpeed = "ego",
+        /// Whether it sees the road: 8 numbers more in its state. They are its place along and beside the lane that the car is on, how far it is beyond the
+        /// edge of that lane and inside the nearest driving lane, the direction of the car's lane beside it, and how the car stands in its lane.
+        road: Option<bool>,
         /// Directions in which it sees obstacles, a multiple of 4: each adds a number to its state, how far the view is free, up to 20 m. They go
         /// evenly around, counterclockwise, from where angles are measured from.
         rays: usize as whole(0, 64) = "0",
@@ -141,6 +144,7 @@ pub fn lower(keys: BodyKeys) -> PedestrianRole {
             frame: keys.observation_frame,
             scaling: keys.observation_scaling,
             speed: keys.observed_speed,
+            road: keys.road.unwrap_or(false),
             rays: keys.rays,
             others: keys.others.unwrap_or(0) as usize,
         },

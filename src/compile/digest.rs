@@ -8,7 +8,8 @@ use episode::robustness;
 use lang::hir::{Block, Declaration};
 
 /// Optional keys that were added to the language later. Where they are left out they change no digest, so that tasks keep their names.
-const ADDED: &[&str] = &["credit", "destination", "forces", "from", "hard_starts", "others", "parameters", "policies"];
+const ADDED: &[&str] =
+    &["credit", "destination", "forces", "from", "hard_starts", "others", "parameters", "policies", "road"];
 
 impl Lowering<'_> {
     /// The fingerprint of a task that depends on these declarations. Towns and policies among them have been lowered before, so

@@ -7,7 +7,7 @@ use episode::{ActionSpec, Component, ObservationSpec, ObservedSpeed, ReferenceFr
 
 /// The page of the state.
 pub fn state() -> String {
-    let spec = |frame, scaling, speed| ObservationSpec { frame, scaling, speed, rays: 0, others: 0 };
+    let spec = |frame, scaling, speed| ObservationSpec { frame, scaling, speed, road: false, rays: 0, others: 0 };
     let usual = spec(ReferenceFrame::Heading, Scaling::Natural, ObservedSpeed::Ego);
     let mut page = format!(
         "state: what a pedestrian gets before each decision, {} numbers in this order\n\n",
@@ -28,6 +28,13 @@ pub fn state() -> String {
     let units = spec(ReferenceFrame::Heading, Scaling::Unit, ObservedSpeed::Ego).components();
     let units: Vec<&str> = units.iter().map(|component| component.unit.as_str()).collect();
     let _ = writeln!(page, "`observation_scaling: unit` divides the numbers by {}.", units.join(", "));
+    let _ = writeln!(page, "`road: true` adds {} numbers, which are cut at these bounds:\n", ObservationSpec::ROAD_DIM);
+    list(&mut page, &ObservationSpec { road: true, ..usual }.components()[ObservationSpec::DIM..]);
+    let _ = writeln!(
+        page,
+        "\n`observation_scaling: unit` divides them by their greatest values. They do not depend on where a town lies; if it is mirrored, those to the \
+         left, the sine and the turn change their signs."
+    );
     let _ = writeln!(
         page,
         "`rays: N` adds N numbers: how far the view is free of obstacles, up to {} m, evenly around from angle 0, counterclockwise.",

@@ -11,7 +11,7 @@ use crate::geometry::{Point, Pose};
 /// Places whose heights differ by less than this are on one level (m).
 pub const LEVEL: f64 = 3.0;
 /// Lanes that are farther away than this do not say how high the ground is (m).
-const NEAR: f64 = 10.0;
+pub(super) const NEAR: f64 = 10.0;
 /// Lanes that are farther away than this are looked for on all levels (m).
 const FAR: f64 = 50.0;
 /// Who is beyond the edge of a lane by this much is on it (m).
@@ -53,13 +53,13 @@ impl Town {
         (0..steps as u32).map(place).map(|point| (point, self.height(chord, point)))
     }
 
-    fn chords_near(&self, point: Point, reach: f64, filter: LaneFilter) -> impl Iterator<Item = &Chord> {
+    pub(super) fn chords_near(&self, point: Point, reach: f64, filter: LaneFilter) -> impl Iterator<Item = &Chord> {
         let (tree, chords) = self.index.tree(self.lanes(), filter);
         tree.within(point, reach).map(|index| &chords[index as usize])
     }
 
     /// The height of a chord beside a place (m).
-    fn height(&self, chord: &Chord, point: Point) -> f64 {
+    pub(super) fn height(&self, chord: &Chord, point: Point) -> f64 {
         self.network.elevation(&self.roads, self.network.lane(chord.slot), chord.s(chord.project(point)))
     }
 

@@ -148,6 +148,7 @@ fn a_tick_of_twelve_pedestrians_and_four_cars_allocates_nothing_and_their_world_
         let role = scenario.cast.pedestrians[number % 2].clone();
         scenario.cast.pedestrians.push(role);
         scenario.cast.pedestrians[number].observation.others = 4;
+        scenario.cast.pedestrians[number].observation.road = true;
         if number < 2 {
             let place = Placement::Fixed(ahead(80.0 + 40.0 * number as f64));
             scenario.cast.vehicles.push(VehicleRole { place, ..scenario.cast.vehicles[1].clone() });

@@ -13,7 +13,8 @@ use episode::walker::{
 };
 use episode::{
     ActionSpec, Controller, Criterion, Destination, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer,
-    Outcome, PedestrianRole, Phase, Placement, Scenario, Trace, VehicleRole, carry_out, evaluate, follow, play,
+    Outcome, PedestrianRole, Phase, Placement, Scaling, Scenario, Trace, VehicleRole, carry_out, evaluate, follow,
+    play,
 };
 use learn::{Agent, Credit, Env, Policies, PpoConfig};
 use road::geometry::{Obstacles, Point, Pose};
@@ -902,4 +903,40 @@ fn a_pedestrian_sees_the_nearest_others_in_fixed_places() {
         assert!((seen[number][2] - distance).abs() < 1e-9);
     }
     assert_eq!(seen[2], [0.0; 3]);
+}
+
+#[test]
+fn a_pedestrian_sees_its_place_beside_the_lane_of_the_car() {
+    let mut scenario = two_and_two("follower", ("slow", ahead(40.0)), (away(), Controller::Fixed(STANDING)));
+    scenario.spawn.ego_start = EgoStart::Poses(vec![Pose::new(60.0, LANE + 0.4, 0.1)]);
+    scenario.spawn.bearing = Distribution::Constant(-0.5);
+    scenario.spawn.distance = Distribution::Constant(10.0);
+    for scaling in [Scaling::Natural, Scaling::Unit] {
+        let observation = &mut scenario.cast.pedestrians[0].observation;
+        (observation.road, observation.scaling) = (true, scaling);
+        let observation = observation.clone();
+        assert_eq!(observation.dim(), ObservationSpec::DIM + ObservationSpec::ROAD_DIM);
+        assert_eq!(observation.components().len(), observation.dim());
+        let mut env = Arc::new(scenario.clone()).simulation();
+        env.start(Draw::new(&Seed::root(1), 0));
+        let mut state = vec![0.0; observation.dim()];
+        env.scene().write_state(&mut state);
+        // It is 10 m from the car, 0.4 rad to the right of the road's direction; the line of sight leads back from there.
+        let (x, y) = (10.0 * libm::cos(-0.4), 10.0 * libm::sin(-0.4) + 0.4);
+        let sight = std::f64::consts::PI - 0.4;
+        let edge = -y - 1.75;
+        let natural = [x, y, edge, -edge, libm::cos(-sight), libm::sin(-sight), 0.4, 0.1];
+        let units = if scaling == Scaling::Unit { [60.0, 20.0, 10.0, 6.0, 1.0, 1.0, 2.0, 2.0] } else { [1.0; 8] };
+        let found = &state[ObservationSpec::DIM..];
+        for ((found, natural), unit) in found.iter().zip(natural).zip(units) {
+            assert!((found - natural / unit).abs() < 1e-9, "{state:?} {natural} {unit}");
+        }
+        // What is farther is cut.
+        scenario.spawn.distance = Distribution::Constant(30.0);
+        let mut env = Arc::new(scenario.clone()).simulation();
+        env.start(Draw::new(&Seed::root(1), 0));
+        env.scene().write_state(&mut state);
+        assert_eq!(state[ObservationSpec::DIM + 3], -6.0 / units[3]);
+        scenario.spawn.distance = Distribution::Constant(10.0);
+    }
 }

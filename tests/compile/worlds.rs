@@ -8,7 +8,7 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Compiled, Evaluation, compile};
 use episode::walker::Intercept;
-use episode::{Ending, Outcome, Trace, evaluate_observed};
+use episode::{Draw, Ending, ObservationSpec, Observer, Outcome, Trace, carry_out, evaluate_observed};
 use needs::needs;
 use process::ProcessOpener;
 use road::Town;
@@ -76,6 +76,33 @@ fn a_world_of_our_kinematics_has_our_episodes() {
             .zip(their_trace.vehicle(0))
             .map(|(ours, theirs)| (ours.state.pose.position() - theirs.state.pose.position()).norm());
         assert!(apart.fold(0.0, f64::max) < 1e-6);
+    }
+}
+
+#[needs(python)]
+#[test]
+fn a_pedestrian_sees_the_same_road_in_another_world() {
+    let seeing = text("none", "timeout: 60 s", "idm", "here, other").replace("suicidal", "seeing");
+    let both = evaluations(&(seeing + "body seeing { road: true  observation_frame: line_of_sight }\n"));
+    let [here, other] = [0, 1].map(|world: usize| {
+        let mut simulation = both[world].scenario.simulation();
+        let (mut states, mut state) = (Vec::new(), [0.0; ObservationSpec::DIM + ObservationSpec::ROAD_DIM]);
+        for episode in 0..EPISODES {
+            simulation.start(Draw::new(&Seed::root(5), episode.into()));
+            let mut trace = Trace::new(&both[world].scenario);
+            trace.begin(&simulation.scene());
+            while simulation.outcome().is_none() {
+                simulation.scene().write_state(&mut state);
+                states.push(state);
+                let commands = [simulation.scene().intercept(0)];
+                carry_out(&mut *simulation, &commands, &mut trace);
+            }
+        }
+        states
+    });
+    assert!(here.len() > 50 && here.len() == other.len(), "{} and {}", here.len(), other.len());
+    for (here, other) in here.iter().zip(&other) {
+        assert!(here.iter().zip(other).all(|(one, other)| (one - other).abs() < 1e-5), "{here:?} {other:?}");
     }
 }
 

@@ -62,3 +62,9 @@ fn hunters_find_twice_the_faults_of_an_interception_without_a_training() {
 fn a_hunter_with_the_commands_of_another_adversary_is_an_error() {
     campaign("plausible", "hunter");
 }
+
+#[test]
+#[should_panic(expected = "unfit-pedestrian")]
+fn a_hunter_that_sees_no_road_is_an_error_though_its_input_is_as_long_as_a_state_with_the_road() {
+    campaign("pursuer", "hunter_child");
+}

@@ -16,6 +16,7 @@ mod streets;
 mod geometry;
 mod reference_lines;
 mod lanes_around;
+mod frenet;
 mod levels;
 mod random_walks;
 mod route_planner;

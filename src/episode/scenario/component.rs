@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::observation::UNITS;
+use super::observation::{ROAD, UNITS};
 use crate::{ActionSpec, Cast, EpisodeRule, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling};
 use world::sim::Gait;
 
@@ -29,6 +29,22 @@ const OTHER: [(&str, Option<bool>, &str); ObservationSpec::OTHER_DIM] = [
     ("velocity_left", Some(false), "its velocity to the left"),
     ("half_length", Some(true), "half of its length"),
     ("half_width", Some(true), "half of its width"),
+];
+
+/// The numbers about the road: name, unit and meaning.
+const OF_THE_ROAD: [(&str, &str, &str); ObservationSpec::ROAD_DIM] = [
+    (
+        "lane_along",
+        "m",
+        "how far the pedestrian is along the car's lane from the car: the lane that fits place and direction of the car best, at forks straight on, not where its driver will turn",
+    ),
+    ("lane_left", "m", "how far the pedestrian is to the left of that lane's centre, in driving direction"),
+    ("lane_beyond", "m", "how far the pedestrian is beyond the edge of that lane; negative within it"),
+    ("road_inside", "m", "how far the pedestrian is inside the nearest driving lane; negative outside of all"),
+    ("lane_cos", "", "cosine of the direction of the car's lane beside the pedestrian"),
+    ("lane_sin", "", "sine of that direction"),
+    ("car_left", "m", "how far the car is to the left of its lane's centre"),
+    ("car_turn", "rad", "direction of the car less that of its lane"),
 ];
 
 impl ObservationSpec {
@@ -70,6 +86,13 @@ impl ObservationSpec {
             };
             Component { name: format!("ray_{number}"), unit, low: Some(0.0), high: Some(high), meaning: ray }
         });
+        let road = OF_THE_ROAD.iter().zip(ROAD).take(self.seen_road()).map(|((name, unit, meaning), most)| {
+            let (unit, bound) = match self.scaling {
+                Scaling::Unit if !unit.is_empty() => (format!("{most} {unit}"), 1.0),
+                _ => ((*unit).into(), most),
+            };
+            Component { name: (*name).into(), unit, low: Some(-bound), high: Some(bound), meaning }
+        });
         let of_the_ego = numbers.map(|(name, unit, scaled, (low, high), divisor, meaning)| {
             let (unit, divisor) = match self.scaling {
                 Scaling::Natural => (unit, 1.0),
@@ -99,7 +122,7 @@ impl ObservationSpec {
                 }
             })
         });
-        of_the_ego.into_iter().chain(rays).chain(others).collect()
+        of_the_ego.into_iter().chain(road).chain(rays).chain(others).collect()
     }
 }
 
@@ -177,7 +200,7 @@ mod tests {
             [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::LineOfSight, ReferenceFrame::World];
         for (frame, scaling) in frames.into_iter().flat_map(|frame| [(frame, Scaling::Natural), (frame, Scaling::Unit)])
         {
-            let spec = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0, others: 0 };
+            let spec = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, road: false, rays: 0, others: 0 };
             let components = spec.components();
             let mut extremes = [(f64::MAX, f64::MIN); ObservationSpec::DIM];
             for step in 0..2000 {

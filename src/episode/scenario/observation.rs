@@ -2,10 +2,14 @@ use std::f64::consts::{PI, TAU};
 
 use crate::{ReferenceFrame, Scaling};
 use base::choice;
+use road::Frenet;
 use road::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 
 /// The angle that an observation scaled to units divides by (rad), the distance (m) and the speed (m/s).
 pub(super) const UNITS: (f64, f64, f64) = (PI, 30.0, 8.0);
+
+/// The greatest amounts of the numbers about the road (m; m; m; m; 1; 1; m; rad): greater ones are cut, and one scaled to units is divided by its own.
+pub(super) const ROAD: [f64; ObservationSpec::ROAD_DIM] = [60.0, 20.0, 10.0, 6.0, 1.0, 1.0, 2.0, 2.0];
 
 choice! {
     /// The meaning of the paper's "relative scalar speed".
@@ -55,8 +59,8 @@ impl Observation {
     }
 }
 
-/// Converts an [`Observation`] to the numbers of a state: bearing, distance, relative heading, speed; then how far the view is free along the rays, and
-/// the nearest other actors.
+/// Converts an [`Observation`] to the numbers of a state: bearing, distance, relative heading, speed; then the road, how far the view is free along the
+/// rays, and the nearest other actors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationSpec {
     /// The direction from which the angles are measured.
@@ -65,6 +69,8 @@ pub struct ObservationSpec {
     pub scaling: Scaling,
     /// The meaning of the speed.
     pub speed: ObservedSpeed,
+    /// Whether the road is seen.
+    pub road: bool,
     /// The number of directions in which obstacles are seen, evenly around from the direction of the frame, counterclockwise.
     pub rays: usize,
     /// The number of places for other actors, the nearest first.
@@ -90,12 +96,20 @@ impl ObservationSpec {
     /// directions, and its half extents.
     pub const OTHER_DIM: usize = 8;
 
+    /// The numbers of a state about the road.
+    pub const ROAD_DIM: usize = 8;
+
     /// The length of a ray (m): what is farther is not seen.
     pub const REACH: f64 = 20.0;
 
     /// The numbers of a state.
     pub fn dim(&self) -> usize {
-        Self::DIM + self.rays + self.others * Self::OTHER_DIM
+        Self::DIM + self.seen_road() + self.rays + self.others * Self::OTHER_DIM
+    }
+
+    /// The numbers of the state about the road: 8 or none.
+    pub(crate) fn seen_road(&self) -> usize {
+        if self.road { Self::ROAD_DIM } else { 0 }
     }
 
     /// The numbers about the ego for an observation in the frame of the pedestrian's heading.
@@ -114,6 +128,25 @@ impl ObservationSpec {
                 [state[0] / turn, state[1] / distance, state[2] / turn, state[3] / speed]
             }
         }
+    }
+
+    /// The numbers about the road for a pedestrian in the coordinates of the ego's lane; all are 0 in a town without driving lanes.
+    pub fn encode_road(
+        &self,
+        seen: Option<Frenet>,
+        pedestrian: &Pose,
+        initial_heading: f64,
+        ego: Point,
+    ) -> [f64; Self::ROAD_DIM] {
+        let Some(Frenet { along, left, beyond_edge, inside, direction, car_left, car_turn }) = seen else {
+            return [0.0; Self::ROAD_DIM];
+        };
+        let (sin, cos) = libm::sincos(direction - self.frame.origin(pedestrian, initial_heading, ego));
+        let mut state = [along, left, beyond_edge, inside, cos, sin, car_left, car_turn];
+        for (number, most) in state.iter_mut().zip(ROAD) {
+            *number = number.clamp(-most, most) / if self.scaling == Scaling::Unit { most } else { 1.0 };
+        }
+        state
     }
 
     /// The numbers about another actor.
@@ -183,7 +216,8 @@ mod tests {
         let (pose, ego) = (Pose::new(3.0, 4.0, 2.5), Pose::new(-5.0, 1.0, 0.2));
         for frame in [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::World] {
             let scaling = Scaling::Natural;
-            let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0, others: 0 };
+            let observation =
+                ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, road: false, rays: 0, others: 0 };
             let action =
                 ActionSpec { frame, scaling, speed: (0.0, 3.5), heading: ActionSpec::ANY_HEADING, destination: None };
             let seen = Observation::new(&pose, 0.0, &ego, 5.0, ObservedSpeed::Ego);

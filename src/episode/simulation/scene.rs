@@ -98,8 +98,14 @@ impl<'a> Scene<'a> {
             let Some(part) = rest.split_off_mut(..role.observation.dim()) else { return };
             let (pedestrian, initial, ego) = self.viewpoint(number);
             let (of_the_ego, rest) = part.split_at_mut(ObservationSpec::DIM);
+            let (road, rest) = rest.split_at_mut(role.observation.seen_road());
             let (rays, others) = rest.split_at_mut(role.observation.rays);
             of_the_ego.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
+            if let Some(road) = road.as_mut_array() {
+                let (car, place) = (&self.world.ego().state, self.world.pedestrians[number].state.place());
+                let seen = self.world.town.frenet(&car.pose, car.ground, place);
+                *road = role.observation.encode_road(seen, pedestrian, initial, ego);
+            }
             role.observation.look(pedestrian, initial, ego, &self.world.obstacles, rays);
             let mut before = (-1.0, 0);
             for place in others.as_chunks_mut().0 {

@@ -12,7 +12,7 @@ use world::av::onnx::{Network, Runner};
 use world::sim::WalkCommand;
 
 keys! {
-    /// A network in an ONNX file with one input, the state (1, 4; more with `rays` and `others`), and one output, the action: heading and speed. A report
+    /// A network in an ONNX file with one input, the state (1, 4; more with `road`, `rays` and `others`), and one output, the action: heading and speed. A report
     /// writes its trained pedestrians as such files.
     pub struct NetworkedKeys = "onnx" {
         /// The file.
@@ -29,7 +29,7 @@ const FRAMES: [&str; 3] = ["state", "state_frame", "action_frame"];
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnsuitableNetwork {
     #[error(
-        "its input has {0} numbers, and a state of a pedestrian has 4, or with `rays` and `others` a multiple of 4; several states are a multiple of that"
+        "its input has {0} numbers, and a state of a pedestrian has 4, or with `road`, `rays` and `others` a multiple of 4; several states are a multiple of that"
     )]
     Input(usize),
     #[error("its output has {0} numbers instead of 2: heading and speed")]
