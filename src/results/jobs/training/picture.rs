@@ -1,5 +1,5 @@
 use super::TrainingResult;
-use crate::report::svg::{Chart, Curve, Figure, short, thousands};
+use crate::report::svg::{Chart, Curve, Figure, Panel, short, thousands};
 use crate::tables::Metric;
 use crate::tables::metrics::LEARNT;
 use base::statistics::{self, sample_deviation};
@@ -80,33 +80,7 @@ fn figure(trainings: &[TrainingResult], level: Level<'_>, quantity: &Quantity) -
     if groups.is_empty() {
         return None;
     }
-    let panels = groups.iter().map(|(group, curves, level)| {
-        let end = curves.iter().flatten().map(|point| point.0).fold(0.0, f64::max);
-        let level: Points = level.iter().flat_map(|level| [(0.0, *level), (end, *level)]).collect();
-        let all = || curves.iter().flatten().chain(&level);
-        let span = |pick: fn(&(f64, f64)) -> f64| {
-            all().map(pick).fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)))
-        };
-        let (x, y) = (span(|point| point.0), span(|point| point.1));
-        let room = ((y.1 - y.0) * 0.06).max(1e-6);
-        let chart = Chart {
-            size: Chart::SMALL,
-            x: (0.0, x.1),
-            y: (y.0.min(0.0) - if y.0 < 0.0 { room } else { 0.0 }, y.1 + room),
-            x_label: "decisions".into(),
-            x_text: thousands,
-            y_text: short,
-        };
-        let mean = mean(curves);
-        let ends = mean.points.last().map_or(0.0, |point| point.1);
-        let begins = mean.points.first().map_or(0.0, |point| point.1);
-        let says = format!("{title}, {} trainings: from {} to {}.", curves.len(), short(begins), short(ends));
-        let thin = |points: &Points| Curve { thin: true, points: points.clone(), ..Curve::default() };
-        let mut drawn: Vec<Curve> = if curves.len() > 1 { curves.iter().map(thin).collect() } else { Vec::new() };
-        drawn.push(Curve { colour: LEVEL.1, points: level.clone(), ..Curve::default() });
-        drawn.push(mean);
-        chart.panel(group.clone(), says, &drawn)
-    });
+    let panels = groups.iter().map(|(group, curves, level)| panel(title, group, curves, *level));
     Some(Figure {
         name: (*name).into(),
         title: format!("{title}. Thick: mean over trainings, band ± 1 sd; thin: each training."),
@@ -118,6 +92,35 @@ fn figure(trainings: &[TrainingResult], level: Level<'_>, quantity: &Quantity) -
         panels: panels.collect(),
         ..Figure::default()
     })
+}
+
+/// The curves of equal trainings, their mean, and the level beside them.
+fn panel(title: &str, group: &str, curves: &[Points], level: Option<f64>) -> Panel {
+    let end = curves.iter().flatten().map(|point| point.0).fold(0.0, f64::max);
+    let level: Points = level.iter().flat_map(|level| [(0.0, *level), (end, *level)]).collect();
+    let all = || curves.iter().flatten().chain(&level);
+    let span = |pick: fn(&(f64, f64)) -> f64| {
+        all().map(pick).fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)))
+    };
+    let (x, y) = (span(|point| point.0), span(|point| point.1));
+    let room = ((y.1 - y.0) * 0.06).max(1e-6);
+    let chart = Chart {
+        size: Chart::SMALL,
+        x: (0.0, x.1),
+        y: (y.0.min(0.0) - if y.0 < 0.0 { room } else { 0.0 }, y.1 + room),
+        x_label: "decisions".into(),
+        x_text: thousands,
+        y_text: short,
+    };
+    let mean = mean(curves);
+    let ends = mean.points.last().map_or(0.0, |point| point.1);
+    let begins = mean.points.first().map_or(0.0, |point| point.1);
+    let says = format!("{title}, {} trainings: from {} to {}.", curves.len(), short(begins), short(ends));
+    let thin = |points: &Points| Curve { thin: true, points: points.clone(), ..Curve::default() };
+    let mut drawn: Vec<Curve> = if curves.len() > 1 { curves.iter().map(thin).collect() } else { Vec::new() };
+    drawn.push(Curve { colour: LEVEL.1, points: level.clone(), ..Curve::default() });
+    drawn.push(mean);
+    chart.panel(group.to_owned(), says, &drawn)
 }
 
 /// The mean over curves where all have a value, and one standard deviation around it.

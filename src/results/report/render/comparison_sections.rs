@@ -21,7 +21,6 @@ const LEGEND_OF_REQUIREMENTS: &str =
 
 /// The result of a comparison.
 pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
-    let [before, after] = &comparison.folders;
     let subject = subject(comparison);
     let mut sections: Vec<ChangeSection> = Vec::new();
     sections.extend(comparison.cells.iter().map(|cell| ChangeSection {
@@ -35,30 +34,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
         let of_requirements = if is_of_requirements { LEGEND_OF_REQUIREMENTS } else { "" };
         first.paragraphs.push(format!("{LEGEND}{of_requirements}"));
     }
-    if !comparison.changes.is_empty() {
-        let mut failures = ChangeSection {
-            heading: "failures".into(),
-            tables: vec![counts(comparison, "verdict"), counts(comparison, "kind")],
-            changes: comparison.changes.clone(),
-            ..ChangeSection::default()
-        };
-        let harder = comparison.changes.iter().filter(|change| change.is_faster_and_milder()).count();
-        if harder > 0 {
-            failures.paragraphs.push(format!(
-                "Collisions of both that are faster after and have a milder verdict: {harder}. A faster car leaves less time, so that is no improvement."
-            ));
-        }
-        if let Some(worst) = FailureChange::worst(&comparison.changes, 1).first() {
-            let [one, other] = &worst.sides;
-            let (before, after) = (before.join(&one.name), after.join(&other.name));
-            failures.paragraphs.push(format!(
-                "falsify export --as animation {} {} draws the worst",
-                after.display(),
-                before.display()
-            ));
-        }
-        sections.push(failures);
-    }
+    sections.extend((!comparison.changes.is_empty()).then(|| failures(comparison)));
     if !comparison.searches.is_empty() {
         sections.push(ChangeSection {
             heading: "searches, over the starts that both tried".into(),
@@ -82,6 +58,33 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
             .collect(),
         sections,
     }
+}
+
+/// The failures of both sides.
+fn failures(comparison: &ReportComparison) -> ChangeSection {
+    let [before, after] = &comparison.folders;
+    let mut failures = ChangeSection {
+        heading: "failures".into(),
+        tables: vec![counts(comparison, "verdict"), counts(comparison, "kind")],
+        changes: comparison.changes.clone(),
+        ..ChangeSection::default()
+    };
+    let harder = comparison.changes.iter().filter(|change| change.is_faster_and_milder()).count();
+    if harder > 0 {
+        failures.paragraphs.push(format!(
+                "Collisions of both that are faster after and have a milder verdict: {harder}. A faster car leaves less time, so that is no improvement."
+            ));
+    }
+    if let Some(worst) = FailureChange::worst(&comparison.changes, 1).first() {
+        let [one, other] = &worst.sides;
+        let (before, after) = (before.join(&one.name), after.join(&other.name));
+        failures.paragraphs.push(format!(
+            "falsify export --as animation {} {} draws the worst",
+            after.display(),
+            before.display()
+        ));
+    }
+    failures
 }
 
 /// The drivers of all rows; empty if they differ.
