@@ -139,7 +139,7 @@ fn stands_alone(html: &str, folder: &Path) {
     let is_svg = |path: &&PathBuf| path.extension().is_some_and(|end| end == "svg");
     assert!(files.iter().all(|path| path.with_extension("svg").is_file()), "a caption has a figure: {files:?}");
     for path in files.iter().filter(is_svg) {
-        let svg = std::fs::read_to_string(&path).unwrap();
+        let svg = std::fs::read_to_string(path).unwrap();
         let read = roxmltree::Document::parse(&svg);
         assert!(read.is_ok(), "{}: {read:?}", path.display());
     }

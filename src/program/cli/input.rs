@@ -6,8 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use clap::Args;
 
+use super::failure::misused;
 use super::progress::{Counting, Showing, heartbeat};
 use super::{console, failure, interrupt, network_trial};
+use crate::exit_code::ExitCode;
 use crate::session::{Event, Input, Observer, Session, Stage};
 use compile::Catalog;
 use episode::MapWriter;
@@ -139,4 +141,28 @@ impl Observer for Reporter {
             _ => {}
         }
     }
+}
+
+/// Refuses to write onto a file that is read, or two outputs into one file.
+///
+/// # Errors
+/// The exit code, after the reason has been printed.
+pub fn refuse_overwriting(outputs: &[Option<&PathBuf>], inputs: &[PathBuf]) -> Result<(), ExitCode> {
+    let whole = |path: &PathBuf| {
+        std::path::absolute(path).and_then(|path| {
+            let folder = path.parent().map_or(Ok(path.clone()), std::fs::canonicalize)?;
+            let whole = folder.join(path.file_name().unwrap_or_default());
+            Ok(std::fs::canonicalize(&whole).unwrap_or(whole))
+        })
+    };
+    let mut known: Vec<PathBuf> = inputs.iter().filter_map(|path| whole(path).ok()).collect();
+    for output in outputs.iter().flatten() {
+        let Ok(path) = whole(output) else { continue };
+        if known.contains(&path) {
+            let path = output.display();
+            return Err(misused(format!("`{path}` is read, or written twice, by this command; choose another name")));
+        }
+        known.push(path);
+    }
+    Ok(())
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use super::condition;
 use crate::cli::console;
 use crate::cli::failure::{failed, misused, unwritten};
+use crate::cli::input::refuse_overwriting;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::Error;
 use recordings::Recordings;
@@ -100,6 +101,7 @@ pub fn judge(options: &JudgeArgs) -> Ended {
     let gates = gates.collect::<Result<Vec<Gate>, _>>().map_err(|error| misused(format!("--fail-if: {error}")))?;
     let sizes =
         Sizes { length: options.length, width: options.width, radius: options.radius, full_brake: options.full_brake };
+    refuse_overwriting(&[options.csv.as_ref(), options.page.as_ref()], std::slice::from_ref(&options.file))?;
     let recordings = Recordings::read(&options.file, options.near, options.car.as_deref(), &units(options));
     let judged = recordings.and_then(|recordings| recordings.judged(sizes));
     let all = judged

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use clap::{Args, ValueEnum};
 
 use crate::cli::failure::{failed, misused};
-use crate::cli::input::{GivenArgs, session};
+use crate::cli::input::{GivenArgs, refuse_overwriting, session};
 use crate::cli::output::Output;
 use crate::cli::progress::{EventLine, Progress, Showing, heartbeat};
 use crate::cli::{console, failure, interrupt};
@@ -154,6 +154,7 @@ pub fn ended(output: Output, ended: Ended) -> Ended {
 
 fn run_or_list(options: &RunArgs) -> Ended {
     let wanted = options.wanted()?;
+    refuse_overwriting(&[options.gate.junit.as_ref()], &options.files)?;
     let session = session(options.given.allow_external).with_observer(Arc::new(options.reporter()));
     if options.list {
         let seeds = wanted.seeds.clone().unwrap_or(wanted.seed..=wanted.seed);

@@ -283,6 +283,10 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         return Err(failed(io::Error::new(io::ErrorKind::AlreadyExists, reason)));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if let Some(report) = report_of(path, folder) {
+        let reason = format!("it is a file of the report `{}`; choose another name", report.display());
+        return Err(failed(io::Error::new(io::ErrorKind::AlreadyExists, reason)));
+    }
     if folder.exists() && !folder.is_dir() {
         let reason = format!("`{}` is not a folder", folder.display());
         return Err(failed(io::Error::new(io::ErrorKind::NotADirectory, reason)));
@@ -292,6 +296,18 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     draft.write_all(bytes).map_err(failed)?;
     set_mode(draft.path(), 0o644).map_err(failed)?;
     draft.persist(path).map(|_| ()).map_err(|error| failed(error.error))
+}
+
+/// The report whose file a path in this folder is, by the manifest beside it or one folder above.
+fn report_of(path: &Path, folder: &Path) -> Option<PathBuf> {
+    let inner = Path::new(folder.file_name().unwrap_or_default()).join(path.file_name()?);
+    let places = [(folder, PathBuf::from(path.file_name()?)), (folder.parent()?, inner)];
+    let listed = |(report, file): &(&Path, PathBuf)| {
+        let manifest = fs::read_to_string(report.join(MARK)).unwrap_or_default();
+        let name = file.display().to_string().replace('\\', "/");
+        !manifest.is_empty() && (name == MARK || manifest.contains(&format!("path = \"{name}\"")))
+    };
+    places.into_iter().find(listed).map(|(report, _)| report.to_path_buf())
 }
 
 /// Writes a single table as CSV.

@@ -50,6 +50,11 @@ impl JudgedMeeting {
         self.found.told()
     }
 
+    /// Whether nobody can tell: of a touch, or of a recording that ends on the way to one.
+    fn is_open(&self) -> bool {
+        self.found.ends_before.is_some() || self.found.touch.is_some() && self.told().is_none()
+    }
+
     /// The time of the touch in the recording (s); `None` without one.
     pub fn touch(&self) -> Option<f64> {
         self.found.touch.map(|touch| self.begins + touch)
@@ -70,6 +75,7 @@ impl JudgedMeeting {
         let found = &self.found;
         let least = found.near_miss.min_ttc.unwrap_or(f64::INFINITY);
         match (found.touch, self.told()) {
+            _ if self.is_open() => (2, 0.0),
             (None, _) => (4, least),
             (Some(_), None) => (2, 0.0),
             (Some(_), Some(verdict)) if verdict.is_fault() => (0, -verdict.impact_speed),
@@ -91,6 +97,7 @@ impl JudgedMeeting {
     /// The word for its verdict.
     pub fn word(&self) -> &'static str {
         match (self.found.touch, self.told()) {
+            _ if self.is_open() => "cannot tell",
             (None, _) => "no touch",
             (Some(_), None) => "cannot tell",
             (Some(_), Some(verdict)) => verdict.word(),
@@ -105,7 +112,7 @@ impl JudgedMeeting {
             Reference::ALL.map(of).into_iter().collect::<std::collections::BTreeMap<_, _>>()
         });
         let car = &found.scenario.cast.ego().blueprint;
-        let cannot_tell = found.touch.filter(|_| verdict.is_none()).map(|_| "cannot_tell");
+        let cannot_tell = self.is_open().then_some("cannot_tell");
         json!({
             "car": self.car,
             "pedestrian": self.pedestrian,
@@ -248,15 +255,17 @@ pub fn meetings_table(all: &JudgedRecording) -> polars::prelude::DataFrame {
             /// speed of the car at the touch
             impact_speed_mps: f64 ["m/s"] = row.2.ok().and_then(|each| Some(each.told()?.impact_speed));
             /// published drivers that avoid the touch, of those who vote
-            votes_avoid: u64 = row.2.ok().and_then(|each| Some(each.answers()?.votes().0 as u64));
+            votes_avoid: u64 = row.2.ok().and_then(|each| each.told().and(Some(each.answers()?.votes().0 as u64)));
             /// published drivers who vote
-            votes: u64 = row.2.ok().and_then(|each| Some(each.answers()?.votes().1 as u64));
+            votes: u64 = row.2.ok().and_then(|each| each.told().and(Some(each.answers()?.votes().1 as u64)));
             /// least time to collision
             min_ttc_s: f64 ["s"] = row.2.ok().and_then(|each| each.found.near_miss.min_ttc);
             /// post-encroachment time
             pet_s: f64 ["s"] = row.2.ok().and_then(|each| each.found.near_miss.pet);
             /// least distance
             least_gap_m: f64 ["m"] = row.2.ok().map(|each| each.found.least_gap);
+            /// time from the end of the recording to a touch, if both keep their velocities
+            ends_before_s: f64 ["s"] = row.2.ok().and_then(|each| each.found.ends_before);
             /// why it is not judged
             reason: String = row.2.err().unwrap_or_default().to_owned();
         });
@@ -269,7 +278,8 @@ pub fn meetings_table(all: &JudgedRecording) -> polars::prelude::DataFrame {
 #[derive(Debug, Clone, Copy)]
 struct Counts {
     encounters: usize,
-    touches: usize,
+    /// `None` if a pair cannot be judged.
+    touches: Option<u64>,
     /// `None` if a touch or a pair cannot be judged.
     preventable: Option<u64>,
     faults: Option<u64>,
@@ -281,13 +291,13 @@ fn counted() -> Table<'static, Counts> {
     Table::new("recording", "One row.").columns(entries! { row: &Counts;
         /// encounters
         encounters: u64 = row.encounters as u64;
-        /// encounters that end in a touch
-        touches: u64 = row.touches as u64;
+        /// encounters that end in a touch; missing if a pair cannot be judged
+        touches: u64 = row.touches;
         /// touches that every careful driver avoids; missing if a touch or a pair cannot be judged
         preventable: u64 = row.preventable;
         /// touches that count against the driver; missing if a touch or a pair cannot be judged
         faults: u64 = row.faults;
-        /// touches and pairs that cannot be judged
+        /// touches and pairs that cannot be judged, and recordings that end on the way to a touch
         cannot_tell: u64 = row.cannot_tell as u64;
     })
 }
@@ -301,12 +311,12 @@ pub fn counted_reference() -> TableReference {
 pub fn counted_table(all: &JudgedRecording) -> polars::prelude::DataFrame {
     let count = |is: &dyn Fn(&JudgedMeeting) -> bool| all.encounters.iter().filter(|each| is(each)).count();
     let touches = count(&|each| each.found.touch.is_some());
-    let cannot_tell = touches - count(&|each| each.told().is_some()) + all.unjudged.len();
+    let cannot_tell = count(&JudgedMeeting::is_open) + all.unjudged.len();
     let known =
         |is: &dyn Fn(&Verdict) -> bool| (cannot_tell == 0).then(|| count(&|each| each.told().is_some_and(is)) as u64);
     counted().frame(&[Counts {
         encounters: all.encounters.len() + all.unjudged.len(),
-        touches,
+        touches: all.unjudged.is_empty().then_some(touches as u64),
         preventable: known(&Verdict::is_preventable),
         faults: known(&Verdict::is_fault),
         cannot_tell,

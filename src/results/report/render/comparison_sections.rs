@@ -53,6 +53,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
         notes: comparison.caveats.iter().map(ToString::to_string).collect(),
         lead: [answer(comparison), headline(comparison)]
             .into_iter()
+            .chain(apart(comparison))
             .chain(comparison.prices.iter().map(|(price, _)| format!("{price}.")))
             .chain(power(comparison))
             .collect(),
@@ -106,6 +107,17 @@ fn sides(comparison: &ReportComparison) -> [String; 2] {
             Some(keys) if keys[0].world != keys[1].world => format!("{folder}: {}", keys[side].simulator()),
             _ => folder.to_string(),
         }
+    })
+}
+
+/// The rows without a common start.
+fn apart(comparison: &ReportComparison) -> Option<String> {
+    let apart: Vec<String> = comparison.cells.iter().filter(|cell| cell.starts == 0).map(ComparedCell::title).collect();
+    (!apart.is_empty()).then(|| {
+        format!(
+            "Not compared, since no episode that counts has an equal start on the other side: {}.",
+            apart.join("; ")
+        )
     })
 }
 
@@ -170,7 +182,9 @@ fn shown(comparison: &ReportComparison) -> Shown {
     });
     let is_same = weighed.iter().flat_map(|(rates, _)| rates).all(|rate| rate.is_unchanged);
     let searches = || comparison.searches.iter().map(|each| &each.found);
-    let is_same = is_same && !weighed[0].0.is_empty() && searches().all(|rate| rate.changed.is_same());
+    // Of a row without a common start nothing is known.
+    let is_whole = comparison.cells.iter().all(|cell| cell.starts > 0);
+    let is_same = is_same && is_whole && !weighed[0].0.is_empty() && searches().all(|rate| rate.changed.is_same());
     weighed[0].0.extend(searches());
     let shown = |rates: &[&PairedRate], is_more: bool, what: &str| {
         let side = rates.iter().filter(|rate| (rate.difference() > 0.0) == is_more);
