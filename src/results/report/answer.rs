@@ -21,6 +21,15 @@ pub fn answer(found: &Findings<'_>) -> Vec<String> {
         found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians()).collect();
     let shown = if tested.is_empty() { found.drivers.iter().collect() } else { tested };
     let of_kinds: Vec<Said> = KINDS.iter().flat_map(|kind| (kind.answer)(found)).collect();
+    let is_lost = |result: &&&DriverResult| {
+        let mut own = found.cells.iter().filter(|cell| cell.key.policy == result.driver.name).peekable();
+        own.peek().is_some() && own.all(|cell| cell.count(&EPISODES) == 0)
+    };
+    let lost: Vec<String> = shown
+        .iter()
+        .filter(is_lost)
+        .map(|result| format!("{} cannot be judged: none of its episodes counts", result.driver.name))
+        .collect();
     let tried = shown
         .into_iter()
         .filter(|result| result.episodes > 0 || result.searched.is_some_and(|searched| searched.evaluated.1 > 0));
@@ -36,7 +45,7 @@ pub fn answer(found: &Findings<'_>) -> Vec<String> {
     });
     let others: Vec<String> = good.iter().map(DriverAnswer::in_brief).collect();
     let others = (!others.is_empty()).then(|| format!("No fault was found of {}", others.join(", ")));
-    let of_drivers = shown.iter().map(sentence).chain(further).chain(others);
+    let of_drivers = shown.iter().map(sentence).chain(further).chain(others).chain(lost);
     of_drivers.chain(of_kinds.iter().map(|said| said.text.clone())).collect()
 }
 
