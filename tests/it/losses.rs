@@ -148,6 +148,8 @@ fn links_lead_neither_out_of_a_report_nor_out_of_the_folder_that_is_named() {
     assert!(!error(&output).contains("nobody should quote"), "{}", error(&output));
 
     std::os::unix::fs::symlink(here.join("secret"), here.join("page.html")).unwrap();
+    let onto = falsify(&["compare", "out/small", "out/small", "--page", "out/small/results.csv"], here);
+    assert!(onto.status.code() == Some(6) && error(&onto).contains("a file of the report"), "{onto:?}");
     let output = falsify(&["compare", "out/small", "out/small", "--page", "page.html"], here);
     assert_eq!(output.status.code(), Some(6), "{output:?}");
     assert!(error(&output).contains("it is a link to `"), "{}", error(&output));

@@ -31,6 +31,30 @@ fn judged(folder: &Path, text: &str, options: &[&str]) -> serde_json::Value {
 }
 
 #[test]
+fn no_output_is_written_onto_the_recording_or_onto_another_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = crossing(8.0, 1.4, 0.05);
+    std::fs::write(folder.path().join("trace.csv"), &text).unwrap();
+    for outputs in [["--csv", "trace.csv"].as_slice(), &["--page", "./trace.csv"], &["--csv", "a", "--page", "./a"]] {
+        let output = falsify(&[&["judge", "trace.csv"], outputs].concat(), folder.path());
+        assert_eq!(output.status.code(), Some(2), "{outputs:?}: {}", error(&output));
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("trace.csv")).unwrap(), text);
+    assert!(!folder.path().join("a").exists());
+}
+
+#[test]
+fn a_recording_that_ends_on_the_way_to_a_touch_passes_no_gate() {
+    let folder = tempfile::tempdir().unwrap();
+    let text: Vec<String> = crossing(8.0, 1.4, 0.05).lines().map(String::from).collect();
+    let touch = judged(folder.path(), &text.join("\n"), &[])["touch_s"].as_f64().unwrap();
+    let cut = text[..1 + (touch / 0.05) as usize].join("\n");
+    assert_eq!(judged(folder.path(), &cut, &[])["verdict"], "cannot_tell");
+    let output = falsify(&["judge", "trace.csv", "--fail-if", "preventable > 0"], folder.path());
+    assert_eq!(output.status.code(), Some(7), "{}", error(&output));
+}
+
+#[test]
 fn a_recorded_touch_has_a_verdict() {
     let folder = tempfile::tempdir().unwrap();
     let found = judged(folder.path(), &crossing(8.0, 1.4, 0.05), &[]);

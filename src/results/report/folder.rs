@@ -303,9 +303,9 @@ fn report_of(path: &Path, folder: &Path) -> Option<PathBuf> {
     let inner = Path::new(folder.file_name().unwrap_or_default()).join(path.file_name()?);
     let places = [(folder, PathBuf::from(path.file_name()?)), (folder.parent()?, inner)];
     let listed = |(report, file): &(&Path, PathBuf)| {
-        let manifest = fs::read_to_string(report.join(MARK)).unwrap_or_default();
-        let name = file.display().to_string().replace('\\', "/");
-        !manifest.is_empty() && (name == MARK || manifest.contains(&format!("path = \"{name}\"")))
+        let manifest = fs::read_to_string(report.join(MARK)).ok().and_then(|text| Manifest::from_toml(&text).ok());
+        let is_it = |name: &str| Path::new(name) == file;
+        manifest.is_some_and(|manifest| is_it(MARK) || manifest.report_files.iter().any(|each| is_it(&each.path)))
     };
     places.into_iter().find(listed).map(|(report, _)| report.to_path_buf())
 }
